@@ -1,0 +1,2 @@
+//! The `diffusph` command.
+fn main() {}

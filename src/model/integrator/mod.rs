@@ -1,0 +1,20 @@
+//! Time integrators as data.
+
+/// A time integrator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Explicit Euler (115): first order, one operator application a step.
+    Euler,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 1] = [Self::Euler];
+
+    /// The name in case files, flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Euler => "euler",
+        }
+    }
+}

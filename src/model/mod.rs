@@ -1,0 +1,19 @@
+//! The physics in f64: no wgpu, no input or output.
+
+pub mod field;
+pub mod integrator;
+pub mod kernel;
+pub mod lattice;
+pub mod material;
+pub mod neighbors;
+pub mod operator;
+pub mod particles;
+pub mod problem;
+pub mod stability;
+
+pub use field::ScalarField;
+pub use kernel::{Kernel, KernelKind};
+pub use material::Material;
+pub use operator::{Correction, PairMean};
+pub use particles::{Domain, Particles};
+pub use problem::{Probe, Problem, StepChoice, TimePlan};

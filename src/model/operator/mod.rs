@@ -1,0 +1,12 @@
+//! The diffusion operator: pair means, correction, the weight of a pair, and assembled rows.
+//!
+//! rate_a = sum_b w_ab (C_b - C_a) with w_ab = -V_b kbar(D_a, D_b) F(r_ab) / moment >= 0: the
+//! Brookshaw sum of the report's (107) and (109). The moment is 1 for the plain operator and the
+//! lattice's Deff / D for the moment-corrected one.
+
+mod pair_mean;
+pub mod rows;
+mod weight;
+
+pub use pair_mean::PairMean;
+pub use weight::{Correction, PairWeight};

@@ -1,0 +1,71 @@
+//! The one description of a scene that every backend sees.
+
+use glam::DVec3;
+
+use super::integrator::Method;
+use super::{Correction, Domain, Kernel, Material, PairMean, Particles};
+
+/// A validated scene in SI units and f64: complete, so that no backend reads anything else.
+///
+/// [`crate::case`] is what makes one from a case file. What is derived from it (step bounds,
+/// the moment of the lattice, the density) comes from functions of this module tree.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Initial lattice distance dx, m.
+    pub spacing: f64,
+    /// The bounding box of the fills, and its periodic axes.
+    pub domain: Domain,
+    /// Positions, volumes and materials.
+    pub particles: Particles,
+    /// Materials, indexed by [`Particles::material`].
+    pub materials: Vec<Material>,
+    /// The smoothing kernel with its support radius.
+    pub kernel: Kernel,
+    /// How the two diffusivities of a pair are joined.
+    pub pair_mean: PairMean,
+    /// Plain or moment-corrected operator.
+    pub correction: Correction,
+    /// Value of every particle at t = 0; held particles carry their held value.
+    pub initial: Vec<f64>,
+    /// Indices of the particles whose value is held, strictly ascending.
+    pub held: Vec<u32>,
+    /// Duration, step and output times.
+    pub time: TimePlan,
+    /// Where the value is recorded over time.
+    pub probes: Vec<Probe>,
+}
+
+/// Duration, step and method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimePlan {
+    /// End of the simulated time, s; 0 writes the initial state and the density alone.
+    pub end: f64,
+    /// The step that the case asks for.
+    pub step: StepChoice,
+    /// The time integrator.
+    pub method: Method,
+    /// Time between two outputs of the fields, s.
+    pub output_every: f64,
+    /// Time between two records of the probes, s.
+    pub probe_every: f64,
+}
+
+/// Where the step comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepChoice {
+    /// The largest that is known to be stable.
+    Automatic,
+    /// Given by the case, s.
+    Given(f64),
+}
+
+/// A place where the value is recorded over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// The name in the case file.
+    pub name: String,
+    /// Position, m.
+    pub at: DVec3,
+}

@@ -1,0 +1,9 @@
+//! Plan, backends and the time loop.
+
+pub mod backend;
+pub mod cpu;
+mod error;
+pub mod gpu;
+
+pub use backend::Backend;
+pub use error::SolverError;
