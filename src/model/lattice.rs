@@ -33,3 +33,7 @@ pub fn effective_diffusivity_ratio(kernel: &Kernel, spacing: f64) -> f64 {
     });
     sum / kernel.dimension() as f64
 }
+
+#[cfg(test)]
+#[path = "lattice_tests.rs"]
+mod tests;

@@ -2,6 +2,7 @@
 
 pub mod field;
 pub mod integrator;
+pub mod interpolation;
 pub mod kernel;
 pub mod lattice;
 pub mod material;
@@ -9,6 +10,8 @@ pub mod neighbors;
 pub mod operator;
 pub mod particles;
 pub mod problem;
+#[cfg(test)]
+pub(crate) mod scenes;
 pub mod stability;
 
 pub use field::ScalarField;

@@ -69,3 +69,21 @@ pub struct Probe {
     /// Position, m.
     pub at: DVec3,
 }
+
+impl Problem {
+    /// Whether the value of particle `particle` is held.
+    pub fn is_held(&self, particle: usize) -> bool {
+        self.held.binary_search(&(particle as u32)).is_ok()
+    }
+
+    /// Mass of a particle, rho V, kg.
+    pub fn mass(&self, particle: usize) -> f64 {
+        let material = usize::from(self.particles.material[particle]);
+        self.materials[material].density * self.particles.volume[particle]
+    }
+
+    /// The largest diffusivity of any material, m2/s.
+    pub fn max_diffusivity(&self) -> f64 {
+        self.materials.iter().map(|m| m.diffusivity).fold(0.0, f64::max)
+    }
+}

@@ -48,6 +48,15 @@ pub enum SolverError {
         /// Its value.
         value: f64,
     },
+    /// A value that is not finite came up once, but not when the steps were taken again.
+    #[error(
+        "a value that is not finite came up after step {step}, but not when the steps were taken \
+         again: the device does not repeat its results"
+    )]
+    NotRepeatable {
+        /// The last step known to be good.
+        step: u64,
+    },
     /// The user stopped the run.
     #[error("interrupted at step {step} (t = {time:.6e} s)")]
     Interrupted {

@@ -1,4 +1,8 @@
-//! Time integrators as data.
+//! Time integrators as data, and the times that a run must land on.
+
+mod schedule;
+
+pub use schedule::{Schedule, Segment};
 
 /// A time integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

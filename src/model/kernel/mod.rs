@@ -162,3 +162,6 @@ impl Kernel {
         self.dw_over_r_scale
     }
 }
+
+#[cfg(test)]
+mod tests;

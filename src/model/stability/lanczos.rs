@@ -1,0 +1,139 @@
+//! The largest eigenvalue of the operator by a Lanczos iteration.
+
+use rayon::prelude::*;
+
+use crate::model::operator::rows::Rows;
+
+/// Iterations at most; the largest eigenvalue of a lattice's operator needs about 50.
+const MAX_ITERATIONS: usize = 300;
+/// The iteration ends when the residual of the largest Ritz value falls below this fraction of it.
+const TOLERANCE: f64 = 1e-4;
+/// Iterations between two looks at the residual.
+const CHECK_EVERY: usize = 10;
+/// Rows that one task of a parallel product handles.
+const ROWS_PER_TASK: usize = 4096;
+
+/// What the iteration found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LargestEigenvalue {
+    /// The largest Ritz value plus its residual, 1/s: an eigenvalue lies within the residual of
+    /// the Ritz value, and the iteration finds the largest first.
+    pub bound: f64,
+    /// Operator applications spent.
+    pub applications: u64,
+}
+
+/// lambda_max of -A for the rows of the particles that are not held (Lanczos 1950; Parlett 1998,
+/// chapter 13). `volume` is in the rows' order; scaled by its roots, the matrix is symmetric. Held
+/// particles have empty rows; their values stay 0 here.
+pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
+    let n = volume.len();
+    let root: Vec<f64> = volume.iter().map(|v| v.sqrt()).collect();
+    let mut previous = vec![0.0; n];
+    let mut vector = start_vector(rows, n);
+    let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
+    let mut beta = 0.0;
+    for iteration in 1..=MAX_ITERATIONS {
+        let mut next = apply(rows, &root, &vector);
+        let alpha = dot(&vector, &next);
+        axpy(&mut next, -alpha, &vector);
+        axpy(&mut next, -beta, &previous);
+        diagonal.push(alpha);
+        beta = dot(&next, &next).sqrt();
+        let exhausted = beta <= 1e-12 * alpha.abs() || iteration == MAX_ITERATIONS;
+        if exhausted || iteration % CHECK_EVERY == 0 {
+            let (ritz, last) = largest_ritz(&diagonal, &off_diagonal);
+            let residual = beta * last.abs();
+            if exhausted || residual <= TOLERANCE * ritz {
+                return LargestEigenvalue { bound: ritz + residual, applications: iteration as u64 };
+            }
+        }
+        off_diagonal.push(beta);
+        next.par_iter_mut().for_each(|x| *x /= beta);
+        previous = std::mem::replace(&mut vector, next);
+    }
+    unreachable!("the last iteration returns")
+}
+
+/// A vector with a part in every mode: reproducible noise on the rows that are not empty.
+fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut vector: Vec<f64> = (0..n)
+        .map(|rank| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+            let empty = rows.start[rank] == rows.start[rank + 1];
+            if empty { 0.0 } else { (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5 }
+        })
+        .collect();
+    let norm = dot(&vector, &vector).sqrt();
+    if norm > 0.0 {
+        vector.iter_mut().for_each(|x| *x /= norm);
+    }
+    vector
+}
+
+/// y = V^(1/2) (-A) V^(-1/2) x.
+fn apply(rows: &Rows, root: &[f64], x: &[f64]) -> Vec<f64> {
+    let scaled: Vec<f64> = x.par_iter().zip(root).map(|(x, r)| x / r).collect();
+    (0..x.len())
+        .into_par_iter()
+        .with_min_len(ROWS_PER_TASK)
+        .map(|rank| -root[rank] * rows.rate(rank, &scaled))
+        .collect()
+}
+
+/// A dot product whose order of summation does not depend on the number of threads.
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let part = |(x, y): (&[f64], &[f64])| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let parts: Vec<f64> =
+        x.par_chunks(ROWS_PER_TASK).zip(y.par_chunks(ROWS_PER_TASK)).map(part).collect();
+    parts.iter().sum()
+}
+
+fn axpy(y: &mut [f64], factor: f64, x: &[f64]) {
+    y.par_iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// The largest eigenvalue of the symmetric tridiagonal matrix and the last component of its
+/// normalised eigenvector.
+fn largest_ritz(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, f64) {
+    let beta = |i: usize| off_diagonal.get(i).copied().unwrap_or(0.0);
+    let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
+    let mut high = (0..diagonal.len()).map(|i| diagonal[i] + radius(i)).fold(f64::MIN, f64::max);
+    let mut low = diagonal.iter().copied().fold(f64::MIN, f64::max);
+    while high - low > 1e-13 * high.abs() {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if is_above_all(diagonal, off_diagonal, middle) { high = middle } else { low = middle }
+    }
+    // The eigenvector by the three-term recurrence, scaled as it goes so that it stays finite.
+    let (mut before, mut here, mut squares) = (0.0_f64, 1.0_f64, 1.0_f64);
+    for i in 0..diagonal.len() - 1 {
+        let back = if i > 0 { beta(i - 1) * before } else { 0.0 };
+        let next = ((high - diagonal[i]) * here - back) / beta(i);
+        (before, here) = (here, next);
+        squares += next * next;
+        if squares > 1e200 {
+            (before, here, squares) = (before * 1e-100, here * 1e-100, squares * 1e-200);
+        }
+    }
+    (high, here / squares.sqrt())
+}
+
+/// Whether `x` is above every eigenvalue (Sturm: all pivots of T - x I are negative).
+fn is_above_all(diagonal: &[f64], off_diagonal: &[f64], x: f64) -> bool {
+    let mut pivot = diagonal[0] - x;
+    for i in 1..diagonal.len() {
+        if pivot >= 0.0 {
+            return false;
+        }
+        pivot = diagonal[i] - x - off_diagonal[i - 1] * off_diagonal[i - 1] / pivot;
+    }
+    pivot < 0.0
+}
+
+#[cfg(test)]
+#[path = "lanczos_tests.rs"]
+mod tests;

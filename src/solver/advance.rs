@@ -1,0 +1,146 @@
+//! The time loop: written once, over the backend trait.
+
+use std::time::{Duration, Instant};
+
+use super::{Backend, SolverError};
+use crate::model::Problem;
+use crate::model::integrator::{Schedule, Segment};
+
+/// Steps taken before the first look at the clock.
+const FIRST_CHUNK: u64 = 4;
+/// Steps between two looks at the clock, the values and the user, at most.
+const LARGEST_CHUNK: u64 = 1 << 14;
+/// What a chunk should take: short enough to stop and to report at once.
+const CHUNK_TIME: Duration = Duration::from_millis(150);
+
+/// Where a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Steps taken.
+    pub step: u64,
+    /// Steps of the whole run.
+    pub steps: u64,
+    /// Time reached, s.
+    pub time: f64,
+}
+
+/// Whether to go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Go on.
+    Continue,
+    /// Stop at this step.
+    Stop,
+}
+
+/// Who is told of a run as it goes.
+pub trait Observer {
+    /// What makes the observer's part fail; solver errors become one too.
+    type Error: From<SolverError>;
+
+    /// Called every so often between steps.
+    fn progress(&mut self, progress: Progress) -> Wish;
+
+    /// The state at a time of output or probe (`segment.output`, `segment.probe`), in the
+    /// problem's order.
+    fn record(&mut self, segment: &Segment, state: &[f64]) -> Result<(), Self::Error>;
+
+    /// The last finite state of a run that stops early, at `time` (s).
+    fn last_state(&mut self, time: f64, state: &[f64]) -> Result<(), Self::Error>;
+}
+
+/// Runs `schedule` on `backend`. A value that is not finite stops the run with the step, time and
+/// particle where it came up; the last state known to be finite goes to the observer first.
+pub fn advance<B: Backend, O: Observer>(
+    backend: &mut B,
+    problem: &Problem,
+    schedule: &Schedule,
+    observer: &mut O,
+) -> Result<(), O::Error> {
+    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK };
+    let mut start = 0.0;
+    for segment in schedule.clone() {
+        run.segment(backend, problem, observer, start, &segment)?;
+        if segment.output || segment.probe {
+            observer.record(&segment, backend.read()?.as_ref())?;
+        }
+        start = segment.end;
+    }
+    Ok(())
+}
+
+struct Run {
+    steps: u64,
+    step: u64,
+    chunk: u64,
+}
+
+impl Run {
+    fn segment<B: Backend, O: Observer>(
+        &mut self,
+        backend: &mut B,
+        problem: &Problem,
+        observer: &mut O,
+        start: f64,
+        segment: &Segment,
+    ) -> Result<(), O::Error> {
+        let mut done = 0;
+        while done < segment.steps {
+            let count = self.chunk.min(segment.steps - done);
+            let time = start + done as f64 * segment.dt;
+            backend.save()?;
+            let clock = Instant::now();
+            backend.euler(segment.dt, count)?;
+            if !backend.is_finite()? {
+                return self.diverged(backend, problem, observer, time, segment.dt, count);
+            }
+            self.adapt(count, clock.elapsed());
+            done += count;
+            self.step += count;
+            let time = start + done as f64 * segment.dt;
+            let progress = Progress { step: self.step, steps: self.steps, time };
+            if observer.progress(progress) == Wish::Stop {
+                observer.last_state(time, backend.read()?.as_ref())?;
+                return Err(SolverError::Interrupted { step: self.step, time }.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Aims the next chunk at [`CHUNK_TIME`].
+    fn adapt(&mut self, count: u64, elapsed: Duration) {
+        let wanted = count as f64 * CHUNK_TIME.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
+        self.chunk = (wanted as u64).clamp(1, (self.chunk * 4).min(LARGEST_CHUNK));
+    }
+
+    /// Goes back to the chunk's start and finds the first step whose result is not finite.
+    fn diverged<B: Backend, O: Observer>(
+        &self,
+        backend: &mut B,
+        problem: &Problem,
+        observer: &mut O,
+        start: f64,
+        dt: f64,
+        count: u64,
+    ) -> Result<(), O::Error> {
+        backend.restore()?;
+        let mut good = backend.read()?;
+        for taken in 1..=count {
+            backend.euler(dt, 1)?;
+            let state = backend.read()?;
+            if let Some(particle) = state.as_ref().iter().position(|x| !x.is_finite()) {
+                observer.last_state(start + (taken - 1) as f64 * dt, good.as_ref())?;
+                return Err(SolverError::Diverged {
+                    step: self.step + taken,
+                    time: start + taken as f64 * dt,
+                    particle,
+                    position: problem.particles.position[particle],
+                    value: state.as_ref()[particle],
+                }
+                .into());
+            }
+            good = state;
+        }
+        Err(SolverError::NotRepeatable { step: self.step }.into())
+    }
+}

@@ -1,0 +1,77 @@
+//! Which step a run takes, and whether it may.
+
+use super::SolverError;
+use crate::model::operator::rows::Survey;
+use crate::model::stability::{LargestEigenvalue, ReportBounds, safe_step};
+use crate::model::{Problem, StepChoice};
+
+/// The bounds that a step is judged by, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepLimits {
+    /// The report's (116) and (117).
+    pub report: ReportBounds,
+    /// 1 / max|A_aa|: safe, and keeps the maximum principle.
+    pub safe: f64,
+    /// 2 / lambda_max, where it was measured.
+    pub measured: Option<f64>,
+}
+
+/// The step of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// The step asked for or chosen, s. Infinite where nothing limits it.
+    pub dt: f64,
+    /// What it was judged by.
+    pub limits: StepLimits,
+    /// Operator applications that measuring the limit took.
+    pub applications: u64,
+    /// What the user should know.
+    pub warning: Option<String>,
+}
+
+impl StepLimits {
+    /// The largest step known to be stable, s: the measured limit if there is one.
+    pub fn stable(&self) -> f64 {
+        self.measured.unwrap_or(self.safe)
+    }
+}
+
+/// Takes the given step or the safe bound. A given step above the safe bound has the true limit
+/// measured, and only then; above that it is refused unless `allow_unstable`.
+///
+/// # Errors
+/// [`SolverError::UnstableStep`].
+pub fn choose_step(
+    problem: &Problem,
+    survey: &Survey,
+    allow_unstable: bool,
+    measure: impl FnOnce() -> LargestEigenvalue,
+) -> Result<Step, SolverError> {
+    let safe = safe_step(survey.max_diagonal);
+    let mut limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
+    let dt = match problem.time.step {
+        StepChoice::Automatic => safe,
+        StepChoice::Given(step) => step,
+    };
+    // The bound carries the rounding of a sum over the neighbours.
+    if dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
+        return Ok(Step { dt, limits, applications: 0, warning: None });
+    }
+    let found = measure();
+    let limit = 2.0 / found.bound;
+    limits.measured = Some(limit);
+    if dt > limit && !allow_unstable {
+        return Err(SolverError::UnstableStep { step: dt, limit });
+    }
+    let verdict = if dt > limit {
+        format!("{:.3} times ABOVE the measured limit {limit:.6e} s: it will grow", dt / limit)
+    } else {
+        format!(
+            "{:.1} % below the measured limit {limit:.6e} s; values may leave the initial range",
+            100.0 * (1.0 - dt / limit)
+        )
+    };
+    let warning =
+        format!("step {dt:.6e} s is {:.3} times the safe bound {safe:.6e} s and {verdict}", dt / safe);
+    Ok(Step { dt, limits, applications: found.applications, warning: Some(warning) })
+}
