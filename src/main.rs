@@ -1,2 +1,7 @@
 //! The `diffusph` command.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    diffusph::cli::main()
+}

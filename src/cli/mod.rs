@@ -1,1 +1,147 @@
-//! Stub.
+//! The command line: one file a subcommand, flags turned into validated wishes, errors into exit
+//! codes.
+
+mod arguments;
+mod cases;
+mod check;
+mod devices;
+mod progress;
+mod run;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::case;
+use crate::study::RunError;
+
+/// Smoothed particle hydrodynamics for diffusion, on the GPU and on the CPU.
+#[derive(Debug, Parser)]
+#[command(
+    name = "diffusph",
+    version,
+    about,
+    after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run my_case.json --backend \
+                  gpu --out results\n  diffusph check gaussian --set particles.spacing=1\n\nExit \
+                  codes: 0 done; 1 the run failed; 2 bad case or usage."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Solve a case and report its error beside its run time
+    Run(run::Arguments),
+    /// Show what a run would do, without solving: particles, memory, step, path, what is left out
+    Check(check::Arguments),
+    /// List the shipped cases, or print one
+    Cases(cases::Arguments),
+    /// List the GPU adapters, and say which one `--backend auto` would take
+    Devices(devices::Arguments),
+    /// Print the JSON Schema of the case file
+    #[command(after_help = "Example:\n  diffusph schema > case.schema.json")]
+    Schema,
+    /// Print a completion script for a shell
+    #[command(after_help = "Example:\n  diffusph completions bash > /etc/bash_completion.d/diffusph")]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+enum CliError {
+    #[error("{0}")]
+    Case(#[from] case::CaseError),
+    #[error("{0}")]
+    Run(#[from] RunError),
+    #[error("--out: {0}")]
+    Folder(crate::report::OutputError),
+    #[error("cannot write to standard output: {0}")]
+    Stdout(#[from] io::Error),
+    #[error("cannot write the report as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("cannot catch Ctrl-C: {0}")]
+    Interrupt(#[from] ctrlc::Error),
+}
+
+impl From<crate::solver::SolverError> for CliError {
+    fn from(error: crate::solver::SolverError) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl CliError {
+    /// 2 where the case or the flags are at fault, 1 where the run failed.
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Case(_) | Self::Folder(_) => 2,
+            Self::Run(error) if error.is_usage() => 2,
+            Self::Run(_) | Self::Stdout(_) | Self::Json(_) | Self::Interrupt(_) => 1,
+        }
+    }
+}
+
+/// Runs the command of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Cases(arguments) => cases::cases(&arguments),
+        Command::Devices(arguments) => devices::devices(&arguments),
+        Command::Schema => schema(),
+        Command::Completions { shell } => completions(shell),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe left: nothing is wrong, and nobody is there to be told.
+        Err(CliError::Stdout(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            // Nothing can be done where standard error is closed.
+            let _ = writeln!(io::stderr(), "diffusph: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// Prints a line, or text that ends with one.
+fn print(text: impl AsRef<str>) -> Result<(), CliError> {
+    let text = text.as_ref();
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    if !text.ends_with('\n') {
+        out.write_all(b"\n")?;
+    }
+    Ok(out.flush()?)
+}
+
+fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
+    print(serde_json::to_string_pretty(value)?)
+}
+
+fn schema() -> Result<(), CliError> {
+    print_json(&case::schema())
+}
+
+fn completions(shell: clap_complete::Shell) -> Result<(), CliError> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "diffusph", &mut script);
+    print(String::from_utf8_lossy(&script))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -2,6 +2,10 @@
 
 use glam::DVec3;
 
+use super::Precision;
+use crate::model::Problem;
+use crate::model::operator::rows::Survey;
+
 /// A run that could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum SolverError {
@@ -65,7 +69,49 @@ pub enum SolverError {
         /// Time reached, s.
         time: f64,
     },
+    /// A precision that the CPU path does not have.
+    #[error("--precision {}: the CPU path is f64 only, and no GPU was chosen", .precision.name())]
+    PrecisionOnCpu {
+        /// The precision asked for.
+        precision: Precision,
+    },
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
+}
+
+impl SolverError {
+    /// Whether the case or the flags are at fault, not the run.
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::UnstableStep { .. }
+            | Self::CoincidentParticles { .. }
+            | Self::PrecisionOnCpu { .. } => true,
+            Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
+            Self::Gpu(error) => error.is_usage(),
+        }
+    }
+
+    /// Steps whose result was good when the run stopped.
+    pub fn good_steps(&self) -> u64 {
+        match self {
+            Self::Diverged { step, .. } => step - 1,
+            Self::Interrupted { step, .. } | Self::NotRepeatable { step } => *step,
+            _ => 0,
+        }
+    }
+
+    /// Refuses a scene where two particles coincide under a kernel without a weight for them.
+    pub fn check_coincident(problem: &Problem, survey: &Survey) -> Result<(), Self> {
+        let kernel = problem.kernel.kind();
+        match survey.coincident {
+            Some((a, b)) if !kernel.definition().finite_at_zero => Err(Self::CoincidentParticles {
+                a,
+                b,
+                at: problem.particles.position[a],
+                kernel: kernel.name(),
+            }),
+            _ => Ok(()),
+        }
+    }
 }

@@ -5,10 +5,15 @@ pub mod backend;
 pub mod cpu;
 mod error;
 pub mod gpu;
+mod machine;
 pub mod plan;
+mod precision;
 mod step;
 
 pub use advance::{Observer, Progress, Wish, advance};
 pub use backend::Backend;
 pub use error::SolverError;
-pub use step::{Step, StepLimits, choose_step};
+pub use machine::{BackendWish, Machine, MachineKind, MachineWish};
+pub use plan::Plan;
+pub use precision::Precision;
+pub use step::{Step, StepLimits, choose_step, measure_limit};

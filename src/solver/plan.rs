@@ -1,1 +1,149 @@
-//! What runs for a scene.
+//! What runs for a scene, and what is left out because the scene does not need it.
+
+use super::MachineKind;
+use crate::model::Problem;
+
+/// What runs for a scene: a pure function of the problem and the kind of machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Where it runs.
+    pub machine: MachineKind,
+    /// How neighbours are known.
+    pub path: Path,
+    /// What of the shaders and buffers the scene needs.
+    pub needs: Needs,
+    /// What it does not need.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// How neighbours are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// From stored lists with stored weights.
+    List,
+}
+
+impl Path {
+    /// The name in flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+        }
+    }
+}
+
+/// What a scene needs beyond the plain sum over neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// Some particles keep their value.
+    pub held: bool,
+    /// Some axis is periodic.
+    pub periodic: bool,
+    /// Particles differ in volume or diffusivity.
+    pub coefficients: bool,
+}
+
+impl Needs {
+    /// The needs of `problem`.
+    pub fn of(problem: &Problem) -> Self {
+        let volume = &problem.particles.volume;
+        let first = problem.materials.first().map(|material| material.diffusivity);
+        let same_volume = volume.iter().all(|v| v == &volume[0]);
+        let same_diffusivity = problem.materials.iter().all(|m| Some(m.diffusivity) == first);
+        Self {
+            held: !problem.held.is_empty(),
+            periodic: problem.domain.periodic[..problem.dimension].contains(&true),
+            coefficients: !(same_volume && same_diffusivity),
+        }
+    }
+}
+
+/// Something that a run does without.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What.
+    pub what: &'static str,
+    /// Why the scene does not need it.
+    pub why: &'static str,
+    /// Bytes that are not allocated.
+    pub bytes_saved: u64,
+}
+
+impl Plan {
+    /// The plan of `problem` on this kind of machine.
+    pub fn new(problem: &Problem, machine: MachineKind) -> Self {
+        let needs = Needs::of(problem);
+        let left_out = left_out(problem, machine, needs);
+        Self { machine, path: Path::List, needs, left_out }
+    }
+}
+
+fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOut> {
+    let particles = problem.particles.len() as u64;
+    let on_gpu = machine != MachineKind::Cpu;
+    let real = machine.precision().bytes();
+    let mut list = Vec::new();
+    let mut leave = |what, why, bytes_saved| list.push(LeftOut { what, why, bytes_saved });
+    if !needs.held {
+        // The CPU path would keep the starts of a second set of rows, the GPU an accumulator.
+        let bytes = particles * if on_gpu { real } else { 8 };
+        leave("exchange of held particles", "no particle is held", bytes);
+    }
+    if on_gpu && !needs.coefficients {
+        let why = "all particles share one volume and one diffusivity";
+        leave("volume and diffusivity by particle", why, particles * 2 * real);
+    }
+    if !needs.periodic {
+        leave("nearest images", "no axis is periodic", 0);
+    }
+    if problem.dimension < 3 {
+        let why = "the scene has fewer than three dimensions";
+        leave("neighbour cells along the axes past the dimension", why, 0);
+    }
+    if problem.time.end == 0.0 {
+        leave("time steps", "the simulated time is 0", 0);
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Precision;
+    use super::*;
+    use crate::model::KernelKind;
+    use crate::model::scenes::lattice;
+
+    fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
+        let plan = Plan::new(problem, machine);
+        plan.left_out.iter().map(|left| (left.what, left.bytes_saved)).collect()
+    }
+
+    #[test]
+    fn a_plain_scene_leaves_everything_out() {
+        let problem = lattice(KernelKind::CubicSpline, 3, [4, 4, 4], 0.5, 2.0);
+        let expected = [
+            ("exchange of held particles", 256),
+            ("volume and diffusivity by particle", 512),
+            ("nearest images", 0),
+        ];
+        assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
+    }
+
+    #[test]
+    fn a_scene_that_needs_everything_leaves_nothing_out() {
+        let mut problem = lattice(KernelKind::CubicSpline, 3, [4, 4, 4], 0.5, 2.0);
+        problem.held = vec![0];
+        problem.domain.periodic = [true, false, false];
+        problem.particles.volume[5] *= 2.0;
+        assert_eq!(what(&problem, MachineKind::Gpu(Precision::F64)), []);
+    }
+
+    #[test]
+    fn materials_of_one_diffusivity_count_as_one() {
+        let mut problem = lattice(KernelKind::CubicSpline, 2, [4, 4, 1], 0.5, 2.0);
+        problem.materials.push(problem.materials[0].clone());
+        assert!(!Needs::of(&problem).coefficients);
+        problem.materials[1].diffusivity *= 2.0;
+        assert!(Needs::of(&problem).coefficients);
+    }
+}

@@ -1,8 +1,10 @@
 //! Which step a run takes, and whether it may.
 
 use super::SolverError;
-use crate::model::operator::rows::Survey;
-use crate::model::stability::{LargestEigenvalue, ReportBounds, safe_step};
+use crate::model::integrator::Schedule;
+use crate::model::neighbors::CellGrid;
+use crate::model::operator::rows::{Survey, assemble};
+use crate::model::stability::{LargestEigenvalue, ReportBounds, largest_eigenvalue, safe_step};
 use crate::model::{Problem, StepChoice};
 
 /// The bounds that a step is judged by, s.
@@ -27,6 +29,14 @@ pub struct Step {
     pub applications: u64,
     /// What the user should know.
     pub warning: Option<String>,
+}
+
+impl Step {
+    /// The step that is really taken: `dt`, or less so that a whole number of steps lands on every
+    /// output (s).
+    pub fn taken(&self, problem: &Problem) -> f64 {
+        Schedule::new(&problem.time, self.dt).next().map_or(self.dt, |segment| segment.dt)
+    }
 }
 
 impl StepLimits {
@@ -74,4 +84,16 @@ pub fn choose_step(
     let warning =
         format!("step {dt:.6e} s is {:.3} times the safe bound {safe:.6e} s and {verdict}", dt / safe);
     Ok(Step { dt, limits, applications: found.applications, warning: Some(warning) })
+}
+
+/// Measures the largest eigenvalue of the scene's matrix, assembled for this alone.
+pub fn measure_limit(
+    problem: &Problem,
+    grid: &CellGrid<'_>,
+    survey: &Survey,
+) -> LargestEigenvalue {
+    let rows = assemble(problem, grid, &survey.neighbors, |a| !problem.is_held(a));
+    let volume: Vec<f64> =
+        grid.order().iter().map(|&p| problem.particles.volume[p as usize]).collect();
+    largest_eigenvalue(&rows, &volume)
 }

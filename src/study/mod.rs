@@ -1,1 +1,6 @@
-//! Stub.
+//! Drivers above the solver: one run of a scene with its report.
+
+mod recorder;
+mod run;
+
+pub use run::{RunError, RunOptions, Outcome, run};

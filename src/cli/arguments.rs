@@ -1,0 +1,93 @@
+//! Flags that several commands share.
+
+use clap::{Args, ValueEnum};
+
+use super::CliError;
+use crate::case::{self, Override, Scene};
+use crate::solver::{BackendWish, MachineWish, Precision};
+
+/// Which case, and what is changed in it.
+#[derive(Debug, Args)]
+pub(super) struct CaseArguments {
+    /// A case file, or the name of a shipped case (see `diffusph cases`)
+    pub(super) case: String,
+    /// Change a value of the case: `--set time.step=1000`, `--set operator.correction=moment`,
+    /// `--set particles.fill.0.material=clay`. JSON if it parses, else a string, which a number
+    /// reads as an expression
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// The time integrator
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+}
+
+impl CaseArguments {
+    /// Loads the case with every override applied.
+    pub(super) fn load(&self) -> Result<Scene, CliError> {
+        let mut overrides =
+            self.set.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(method) = &self.method {
+            overrides.push(Override::parse(&format!("time.method={method}"))?);
+        }
+        Ok(case::load(&self.case, &overrides)?)
+    }
+}
+
+/// Where to run.
+#[derive(Debug, Args)]
+pub(super) struct MachineArguments {
+    /// Where to run: `auto` takes a real GPU if there is one, else the CPU; `gpu` also takes a
+    /// software adapter
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: BackendFlag,
+    /// Part of the adapter's name, any case (see `diffusph devices`)
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
+    #[arg(long, value_enum, default_value = "auto")]
+    precision: PrecisionFlag,
+    /// How neighbours are known
+    #[arg(long, value_enum, default_value = "auto")]
+    path: PathFlag,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum BackendFlag {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PrecisionFlag {
+    Auto,
+    F32,
+    F64,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PathFlag {
+    Auto,
+    List,
+}
+
+impl MachineArguments {
+    /// The flags as a wish.
+    pub(super) fn wish(&self) -> MachineWish {
+        // Both values of --path mean the same as long as there is one path.
+        let (PathFlag::Auto | PathFlag::List) = self.path;
+        MachineWish {
+            backend: match self.backend {
+                BackendFlag::Auto => BackendWish::Auto,
+                BackendFlag::Cpu => BackendWish::Cpu,
+                BackendFlag::Gpu => BackendWish::Gpu,
+            },
+            adapter: self.adapter.clone(),
+            precision: match self.precision {
+                PrecisionFlag::Auto => None,
+                PrecisionFlag::F32 => Some(Precision::F32),
+                PrecisionFlag::F64 => Some(Precision::F64),
+            },
+        }
+    }
+}

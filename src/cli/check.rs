@@ -1,0 +1,80 @@
+//! `diffusph check`: what a run would do.
+
+use std::fmt::Write;
+
+use clap::Args;
+
+use super::arguments::{CaseArguments, MachineArguments};
+use super::{CliError, print};
+use crate::case::Scene;
+use crate::model::integrator::Schedule;
+use crate::model::operator::rows::{Survey, cell_grid, survey};
+use crate::report::format::{bytes, grouped, significant, simulated_time};
+use crate::solver::{Machine, Plan, SolverError, Step, choose_step, measure_limit};
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  diffusph check gaussian --set particles.spacing=1")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    case: CaseArguments,
+    #[command(flatten)]
+    machine: MachineArguments,
+    /// Accept a step above the measured stability limit
+    #[arg(long)]
+    allow_unstable: bool,
+}
+
+pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
+    let scene = arguments.case.load()?;
+    let machine = Machine::open(&arguments.machine.wish())?;
+    let problem = &scene.problem;
+    let grid = cell_grid(problem);
+    let survey = survey(problem, &grid);
+    SolverError::check_coincident(problem, &survey)?;
+    let step = choose_step(problem, &survey, arguments.allow_unstable, || {
+        measure_limit(problem, &grid, &survey)
+    })?;
+    let plan = Plan::new(problem, machine.kind());
+    print(describe(&scene, &survey, &step, &plan, machine.adapter()))
+}
+
+fn describe(
+    scene: &Scene,
+    survey: &Survey,
+    step: &Step,
+    plan: &Plan,
+    adapter: Option<&str>,
+) -> String {
+    let problem = &scene.problem;
+    let seconds = |s: f64| format!("{} s", significant(s, 6));
+    let limits = &step.limits;
+    let particles = problem.particles.len() as u64;
+    let steps = Schedule::new(&problem.time, step.dt).total_steps();
+    let held = problem.held.len() as u64;
+    let neighbors = survey.entries as f64 / particles.max(1) as f64;
+    let lines = [
+        ("case", format!("{}: {}", scene.name, scene.title)),
+        ("particles", format!("{} in {}-D, {} held", grouped(particles), problem.dimension, grouped(held))),
+        ("neighbours", format!("{} a particle", significant(neighbors, 4))),
+        ("kernel", format!("{}, H = {} m", problem.kernel.kind().name(), problem.kernel.support_radius())),
+        ("machine", format!("{}{}, {}", plan.machine.backend_name(), adapter.map(|a| format!(" ({a})")).unwrap_or_default(), plan.machine.precision().name())),
+        ("path", plan.path.name().to_owned()),
+        ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
+        ("duration", simulated_time(problem.time.end)),
+        ("step", seconds(step.taken(problem))),
+        ("steps", grouped(steps)),
+        ("limits", format!("(116) {}, (117) {}, safe {}{}", seconds(limits.report.cfl), seconds(limits.report.cfl_third), seconds(limits.safe), limits.measured.map(|m| format!(", measured {}", seconds(m))).unwrap_or_default())),
+        ("passes", plan.passes(problem).join(", ")),
+    ];
+    let mut text = String::new();
+    for (name, value) in lines {
+        let _ = writeln!(text, "{name:<11}{value}");
+    }
+    for left in &plan.left_out {
+        let _ = writeln!(text, "left out   {}: {} ({} saved)", left.what, left.why, bytes(left.bytes_saved));
+    }
+    for warning in scene.warnings.iter().chain(&step.warning) {
+        let _ = writeln!(text, "warning    {warning}");
+    }
+    text
+}

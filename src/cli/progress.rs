@@ -1,0 +1,46 @@
+//! The progress bar, and Ctrl-C.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::CliError;
+use crate::solver::{Progress, Wish};
+
+/// Shows where a run is, on standard error and only to a terminal, and stops it on Ctrl-C.
+pub(super) struct Monitor {
+    bar: ProgressBar,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl Monitor {
+    /// A monitor; a `quiet` one only listens for Ctrl-C.
+    pub(super) fn new(quiet: bool) -> Result<Self, CliError> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&interrupted);
+        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        // Drawn to standard error, and hidden by the library where that is no terminal.
+        let target =
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(None, target).with_style(style());
+        Ok(Self { bar, interrupted })
+    }
+
+    /// Takes note of where the run is.
+    pub(super) fn update(&self, progress: Progress) -> Wish {
+        self.bar.set_length(progress.steps);
+        self.bar.set_position(progress.step);
+        if self.interrupted.load(Ordering::Relaxed) { Wish::Stop } else { Wish::Continue }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn style() -> ProgressStyle {
+    let template = "{bar:32} {percent:>3} %  step {human_pos} of {human_len}  {per_sec}  ETA {eta}";
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}

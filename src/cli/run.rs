@@ -1,0 +1,92 @@
+//! `diffusph run`: solve a case.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use super::arguments::{CaseArguments, MachineArguments};
+use super::progress::Monitor;
+use super::{CliError, print, print_json};
+use crate::case::Scene;
+use crate::report::OutputFolder;
+use crate::solver::Machine;
+use crate::study::{self, Outcome, RunOptions};
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run gaussian --set \
+                        operator.correction=moment --out corrected\n  diffusph run gaussian_small \
+                        --backend gpu --json | jq .error")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    case: CaseArguments,
+    #[command(flatten)]
+    machine: MachineArguments,
+    /// The output folder [default: out/CASE]
+    #[arg(long, value_name = "DIR", conflicts_with = "no_output")]
+    out: Option<PathBuf>,
+    /// Write no files
+    #[arg(long)]
+    no_output: bool,
+    /// Run also with a step above the measured stability limit
+    #[arg(long)]
+    allow_unstable: bool,
+    /// Print report.json to standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let started = Instant::now();
+    let scene = arguments.case.load()?;
+    let machine = Machine::open(&arguments.machine.wish())?;
+    let folder = folder(arguments, &scene)?;
+    let options = RunOptions {
+        machine: &machine,
+        allow_unstable: arguments.allow_unstable,
+        folder: folder.as_ref(),
+        started,
+    };
+    let monitor = Monitor::new(arguments.quiet || arguments.json)?;
+    let result = study::run(&scene, &options, &mut |progress| monitor.update(progress));
+    monitor.finish();
+    match result {
+        Ok(outcome) => show(arguments, folder, outcome),
+        Err(error) => {
+            if let Some(folder) = folder {
+                folder.abandon();
+            }
+            Err(error.into())
+        }
+    }
+}
+
+fn folder(arguments: &Arguments, scene: &Scene) -> Result<Option<OutputFolder>, CliError> {
+    if arguments.no_output {
+        return Ok(None);
+    }
+    let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+    OutputFolder::create(path).map(Some).map_err(CliError::Folder)
+}
+
+fn show(
+    arguments: &Arguments,
+    folder: Option<OutputFolder>,
+    outcome: Outcome,
+) -> Result<(), CliError> {
+    if arguments.json {
+        print_json(&outcome.report)?;
+    } else if !arguments.quiet {
+        print(outcome.report.summary())?;
+        if let Some(folder) = folder {
+            print(format!("files      {}", folder.path().display()))?;
+        }
+    }
+    match outcome.stopped {
+        Some(error) => Err(error.into()),
+        None => Ok(()),
+    }
+}

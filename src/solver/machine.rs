@@ -1,0 +1,108 @@
+//! Where a run takes place.
+
+use super::{Precision, SolverError};
+use crate::gpu::{self, Device};
+
+/// What the user asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineWish {
+    /// The backend.
+    pub backend: BackendWish,
+    /// Part of the adapter's name, any case.
+    pub adapter: Option<String>,
+    /// The precision; `None` takes the backend's own.
+    pub precision: Option<Precision>,
+}
+
+/// Which backend is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackendWish {
+    /// A real GPU if there is one, else the CPU path.
+    #[default]
+    Auto,
+    /// The CPU path.
+    Cpu,
+    /// A GPU; a software adapter where there is no real one.
+    Gpu,
+}
+
+/// A machine, ready.
+#[derive(Debug)]
+pub enum Machine {
+    /// The CPU path, f64.
+    Cpu,
+    /// A GPU.
+    Gpu {
+        /// The opened device.
+        device: Device,
+        /// The precision of state and arithmetic.
+        precision: Precision,
+    },
+}
+
+/// Which kind of machine, without the machine: all that a plan depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MachineKind {
+    /// The CPU path, f64.
+    Cpu,
+    /// A GPU with this precision.
+    Gpu(Precision),
+}
+
+impl MachineKind {
+    /// The name in flags and reports.
+    pub fn backend_name(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu(_) => "gpu",
+        }
+    }
+
+    /// The precision of state and arithmetic.
+    pub fn precision(self) -> Precision {
+        match self {
+            Self::Cpu => Precision::F64,
+            Self::Gpu(precision) => precision,
+        }
+    }
+}
+
+impl Machine {
+    /// Finds and opens the machine that `wish` asks for.
+    ///
+    /// # Errors
+    /// An adapter that does not exist, a precision that the machine does not have.
+    pub fn open(wish: &MachineWish) -> Result<Self, SolverError> {
+        let named = wish.adapter.as_deref();
+        let adapter = match wish.backend {
+            BackendWish::Cpu => None,
+            BackendWish::Gpu => gpu::choose(named, true)?,
+            // A name that is given is meant, software or not.
+            BackendWish::Auto => gpu::choose(named, named.is_some())?,
+        };
+        match (adapter, wish.precision) {
+            (Some(adapter), precision) => Ok(Self::Gpu {
+                device: Device::open(&adapter)?,
+                precision: precision.unwrap_or(Precision::F32),
+            }),
+            (None, None | Some(Precision::F64)) => Ok(Self::Cpu),
+            (None, Some(precision)) => Err(SolverError::PrecisionOnCpu { precision }),
+        }
+    }
+
+    /// Which kind it is.
+    pub fn kind(&self) -> MachineKind {
+        match self {
+            Self::Cpu => MachineKind::Cpu,
+            Self::Gpu { precision, .. } => MachineKind::Gpu(*precision),
+        }
+    }
+
+    /// The adapter's name; `None` on the CPU path.
+    pub fn adapter(&self) -> Option<&str> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu { device, .. } => Some(device.name()),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! What is kept and written while a run goes on.
+
+use std::time::{Duration, Instant};
+
+use super::run::RunError;
+use crate::case::{OutputField, Scene};
+use crate::model::integrator::Segment;
+use crate::model::interpolation::Interpolation;
+use crate::model::operator::rows;
+use crate::report::run::ProbeReport;
+use crate::report::{OutputFolder, ProbeRecord, ProbeWriter, SeriesWriter};
+use crate::solver::{Observer, Progress, Wish};
+
+/// Writes fields and probes at their times, and keeps the last state.
+pub(super) struct Recorder<'a> {
+    scene: &'a Scene,
+    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    files: Option<Files>,
+    interpolations: Vec<Interpolation>,
+    /// The summation density, where a file wants it.
+    density: Vec<f64>,
+    /// Time of the last state, s.
+    pub(super) time: f64,
+    /// The last state, in the problem's order.
+    pub(super) state: Vec<f64>,
+    /// Time spent here.
+    pub(super) spent: Duration,
+}
+
+struct Files {
+    series: SeriesWriter,
+    probes: ProbeWriter,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts the files of `folder`, if there is one, with the initial state.
+    pub(super) fn start(
+        scene: &'a Scene,
+        folder: Option<&OutputFolder>,
+        progress: &'a mut dyn FnMut(Progress) -> Wish,
+    ) -> Result<Self, RunError> {
+        let clock = Instant::now();
+        let problem = &scene.problem;
+        let interpolations = (problem.probes.iter())
+            .map(|probe| {
+                Interpolation::at(problem, probe.at)
+                    .ok_or_else(|| RunError::ProbeInVoid { name: probe.name.clone(), at: probe.at })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let files = folder.map(|folder| Files::create(folder, problem.dimension)).transpose()?;
+        let wants_density = files.is_some() && scene.fields.contains(&OutputField::Density);
+        let density = if wants_density { rows::density(problem) } else { Vec::new() };
+        let state = problem.initial.clone();
+        let mut recorder = Self {
+            scene,
+            progress,
+            files,
+            interpolations,
+            density,
+            time: 0.0,
+            state,
+            spent: Duration::ZERO,
+        };
+        recorder.write_fields()?;
+        recorder.write_probes()?;
+        recorder.spent = clock.elapsed();
+        Ok(recorder)
+    }
+
+    /// What the probes read in the last state.
+    pub(super) fn probes(&self) -> Vec<ProbeReport> {
+        let probes = self.scene.problem.probes.iter().zip(&self.interpolations);
+        probes
+            .map(|(probe, interpolation)| ProbeReport {
+                name: probe.name.clone(),
+                at: probe.at.to_array()[..self.scene.problem.dimension].to_vec(),
+                time: self.time,
+                value: interpolation.of(&self.state),
+                exact: self.scene.exact.as_ref().map(|exact| exact.at(probe.at, self.time)),
+            })
+            .collect()
+    }
+
+    /// The exact solution at the time of the last state.
+    pub(super) fn exact(&self) -> Option<Vec<f64>> {
+        let exact = self.scene.exact.as_ref()?;
+        Some(exact.evaluate(&self.scene.problem.particles.position, self.time))
+    }
+
+    fn write_fields(&mut self) -> Result<(), RunError> {
+        if self.files.is_none() {
+            return Ok(());
+        }
+        let wants = |field| self.scene.fields.contains(&field);
+        let compares = wants(OutputField::Exact) || wants(OutputField::Error);
+        let exact = if compares { self.exact().unwrap_or_default() } else { Vec::new() };
+        let error: Vec<f64> = if wants(OutputField::Error) {
+            self.state.iter().zip(&exact).map(|(value, exact)| value - exact).collect()
+        } else {
+            Vec::new()
+        };
+        let fields: Vec<(&str, &[f64])> = (self.scene.fields.iter())
+            .map(|field| match field {
+                OutputField::Value => ("value", &self.state[..]),
+                OutputField::Exact => ("exact", &exact[..]),
+                OutputField::Error => ("error", &error[..]),
+                OutputField::Density => ("density", &self.density[..]),
+            })
+            .collect();
+        if let Some(files) = &mut self.files {
+            files.series.write(self.time, &self.scene.problem.particles.position, &fields)?;
+        }
+        Ok(())
+    }
+
+    fn write_probes(&mut self) -> Result<(), RunError> {
+        let probes = self.probes();
+        let Some(files) = &mut self.files else { return Ok(()) };
+        let places = probes.iter().zip(&self.scene.problem.probes);
+        let records: Vec<ProbeRecord<'_>> = places
+            .map(|(probe, place)| ProbeRecord {
+                time: probe.time,
+                name: &probe.name,
+                at: place.at,
+                value: probe.value,
+                exact: probe.exact,
+            })
+            .collect();
+        Ok(files.probes.write(&records)?)
+    }
+
+    fn keep(&mut self, time: f64, state: &[f64]) {
+        self.time = time;
+        self.state.copy_from_slice(state);
+    }
+}
+
+impl Files {
+    fn create(folder: &OutputFolder, dimension: usize) -> Result<Self, RunError> {
+        folder.remove_stale()?;
+        let series = SeriesWriter::new(folder.path());
+        Ok(Self { series, probes: ProbeWriter::create(folder.path(), dimension)? })
+    }
+}
+
+impl Observer for Recorder<'_> {
+    type Error = RunError;
+
+    fn progress(&mut self, progress: Progress) -> Wish {
+        (self.progress)(progress)
+    }
+
+    fn record(&mut self, segment: &Segment, state: &[f64]) -> Result<(), RunError> {
+        let clock = Instant::now();
+        self.keep(segment.end, state);
+        if segment.output {
+            self.write_fields()?;
+        }
+        if segment.probe {
+            self.write_probes()?;
+        }
+        self.spent += clock.elapsed();
+        Ok(())
+    }
+
+    fn last_state(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
+        let clock = Instant::now();
+        if time > self.time {
+            self.keep(time, state);
+            self.write_fields()?;
+            self.write_probes()?;
+        }
+        self.spent += clock.elapsed();
+        Ok(())
+    }
+}

@@ -1,0 +1,259 @@
+//! One run of a scene: set-up, solution, output and report.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+
+use super::recorder::Recorder;
+use crate::case::Scene;
+use crate::model::integrator::Schedule;
+use crate::model::operator::rows::{Survey, cell_grid, survey};
+use crate::report::run::{
+    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range, RunReport,
+    WallTimes,
+};
+use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
+use crate::solver::cpu::CpuBackend;
+use crate::solver::gpu::GpuBackend;
+use crate::solver::{
+    Backend, Machine, Plan, Progress, SolverError, Step, Wish, advance, choose_step, measure_limit,
+};
+
+/// Points of the exact curve of a profile.
+const CURVE_POINTS: u32 = 600;
+
+/// What the user asked of a run beyond the case.
+#[derive(Debug)]
+pub struct RunOptions<'a> {
+    /// Where it runs.
+    pub machine: &'a Machine,
+    /// Whether a step above the stability limit may run.
+    pub allow_unstable: bool,
+    /// Where files go; none are written without it.
+    pub folder: Option<&'a OutputFolder>,
+    /// When the set-up began, so that reading the case counts.
+    pub started: Instant,
+}
+
+/// What came of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The report, up to the last good state.
+    pub report: RunReport,
+    /// The last good state, in the problem's order.
+    pub state: Vec<f64>,
+    /// Why the run stopped before its end, if it did.
+    pub stopped: Option<SolverError>,
+}
+
+/// A run that could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The solver failed.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// No particle is near a probe.
+    #[error("probe \"{name}\" at {at}: no particle within the support radius")]
+    ProbeInVoid {
+        /// The probe's name.
+        name: String,
+        /// Its position, m.
+        at: DVec3,
+    },
+}
+
+impl RunError {
+    /// Whether the case or the flags are at fault, not the run.
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::Solver(error) => error.is_usage(),
+            Self::Output(_) => false,
+            Self::ProbeInVoid { .. } => true,
+        }
+    }
+}
+
+/// Runs `scene`. `progress` is told between steps where the run is, and may stop it.
+///
+/// A run that diverges or is stopped still has an outcome, with the state and files up to its last
+/// good step and [`Outcome::stopped`] set.
+///
+/// # Errors
+/// A step above the stability limit, a device that fails, a file that cannot be written.
+pub fn run(
+    scene: &Scene,
+    options: &RunOptions<'_>,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Outcome, RunError> {
+    let problem = &scene.problem;
+    let grid = cell_grid(problem);
+    let survey = survey(problem, &grid);
+    SolverError::check_coincident(problem, &survey)?;
+    let clock = Instant::now();
+    let step = choose_step(problem, &survey, options.allow_unstable, || {
+        measure_limit(problem, &grid, &survey)
+    })?;
+    let measuring = clock.elapsed();
+    let plan = Plan::new(problem, options.machine.kind());
+    let setup = Setup { scene, options, survey: &survey, step: &step, plan: &plan, measuring };
+    match options.machine {
+        Machine::Cpu => solve(&setup, CpuBackend::new(problem, grid, &survey), progress),
+        Machine::Gpu { device, precision } => {
+            drop(grid);
+            let backend = GpuBackend::new(problem, step.dt, device, *precision)
+                .map_err(RunError::Solver)?;
+            solve(&setup, backend, progress)
+        }
+    }
+}
+
+/// What is known before the first step.
+struct Setup<'a> {
+    scene: &'a Scene,
+    options: &'a RunOptions<'a>,
+    survey: &'a Survey,
+    step: &'a Step,
+    plan: &'a Plan,
+    measuring: Duration,
+}
+
+fn solve<B: Backend>(
+    setup: &Setup<'_>,
+    mut backend: B,
+    progress: &mut dyn FnMut(Progress) -> Wish,
+) -> Result<Outcome, RunError> {
+    let scene = setup.scene;
+    let schedule = Schedule::new(&scene.problem.time, setup.step.dt);
+    let ready = setup.options.started.elapsed() - setup.measuring;
+    let mut recorder = Recorder::start(scene, setup.options.folder, progress)?;
+    let first_output = recorder.spent;
+    let clock = Instant::now();
+    let stopped = match advance(&mut backend, &scene.problem, &schedule, &mut recorder) {
+        Ok(()) => None,
+        Err(RunError::Solver(
+            error @ (SolverError::Diverged { .. } | SolverError::Interrupted { .. }),
+        )) => Some(error),
+        Err(error) => return Err(error),
+    };
+    let solving = clock.elapsed() + first_output + setup.measuring - recorder.spent;
+    let steps = match &stopped {
+        None => schedule.total_steps(),
+        Some(error) => error.good_steps(),
+    };
+    let measured = Measured { ready, solving, steps, exchange: backend.exchange()? };
+    let memory = backend.memory_bytes();
+    drop(backend);
+    let state = std::mem::take(&mut recorder.state);
+    finish(setup, recorder, state, &measured, memory, stopped)
+}
+
+/// What the run itself told.
+struct Measured {
+    ready: Duration,
+    solving: Duration,
+    steps: u64,
+    exchange: f64,
+}
+
+/// Compares with the exact solution, writes what is left to write and fills the report.
+fn finish(
+    setup: &Setup<'_>,
+    mut recorder: Recorder<'_>,
+    state: Vec<f64>,
+    measured: &Measured,
+    memory_bytes: u64,
+    stopped: Option<SolverError>,
+) -> Result<Outcome, RunError> {
+    let clock = Instant::now();
+    recorder.state = state;
+    let exact = recorder.exact();
+    let mut report = report(setup, &recorder, exact.as_deref(), measured);
+    report.memory_bytes = memory_bytes;
+    if let Some(error) = &stopped {
+        report.warnings.push(format!("stopped early: {error}"));
+    }
+    if let Some(folder) = setup.options.folder {
+        if let Some(profile) = profile(setup.scene, &recorder, exact.as_deref()) {
+            profile.write(folder.path())?;
+        }
+        folder.write_json("case.json", &setup.scene.resolved)?;
+        report.wall_s.output = (recorder.spent + clock.elapsed()).as_secs_f64();
+        folder.write_json("report.json", &report)?;
+    }
+    Ok(Outcome { report, state: recorder.state, stopped })
+}
+
+fn report(
+    setup: &Setup<'_>,
+    recorder: &Recorder<'_>,
+    exact: Option<&[f64]>,
+    measured: &Measured,
+) -> RunReport {
+    let problem = &setup.scene.problem;
+    let volume = &problem.particles.volume;
+    let applications = measured.steps + setup.step.applications;
+    let particles = problem.particles.len() as u64;
+    let solve = measured.solving.as_secs_f64();
+    let mut warnings = setup.scene.warnings.clone();
+    warnings.extend(setup.step.warning.clone());
+    RunReport {
+        report_version: REPORT_VERSION,
+        case: setup.scene.name.clone(),
+        title: setup.scene.title.clone(),
+        diffusph_version: DIFFUSPH_VERSION.to_owned(),
+        backend: setup.plan.machine.backend_name().to_owned(),
+        adapter: setup.options.machine.adapter().map(str::to_owned),
+        precision: setup.plan.machine.precision().name().to_owned(),
+        dimension: problem.dimension,
+        particles,
+        path: setup.plan.path.name().to_owned(),
+        method: problem.time.method.name().to_owned(),
+        steps: measured.steps,
+        operator_applications: applications,
+        dt: setup.step.taken(problem),
+        dt_limit: setup.step.limits.stable(),
+        simulated_s: recorder.time,
+        wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
+        updates_per_s: (particles * applications) as f64 / solve.max(f64::MIN_POSITIVE),
+        memory_bytes: 0,
+        field: FieldRange::of(&recorder.state),
+        conserved: Conserved::new(
+            total(&problem.initial, volume),
+            total(&recorder.state, volume),
+            measured.exchange,
+        ),
+        density: Range { min: setup.survey.min_density, max: setup.survey.max_density },
+        error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
+            ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
+        }),
+        probes: recorder.probes(),
+        left_out: setup.plan.left_out.iter().map(|left| LeftOut {
+            what: left.what.to_owned(),
+            why: left.why.to_owned(),
+            bytes_saved: left.bytes_saved,
+        }).collect(),
+        warnings,
+    }
+}
+
+/// The row along x through the first probe, or through the middle.
+fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Option<Profile> {
+    let problem = &scene.problem;
+    let position = &problem.particles.position;
+    let middle = 0.5 * (problem.domain.min + problem.domain.max);
+    let through = problem.probes.first().map_or(middle, |probe| probe.at);
+    let row = Profile::along_x(position, &recorder.state, exact, through, problem.spacing)?;
+    let (first, last) = (*row.position.first()?, *row.position.last()?);
+    let exact_curve = scene.exact.as_ref().map(|solution| {
+        let x = (0..=CURVE_POINTS)
+            .map(|k| first + (last - first) * f64::from(k) / f64::from(CURVE_POINTS));
+        // The row's own y and z: the nearest row need not go through the point asked for.
+        let on_row = |x: f64| DVec3::new(x, row.through.y, row.through.z);
+        x.map(|x| (x, solution.at(on_row(x), recorder.time))).unzip()
+    });
+    let title = format!("{}, t = {:.6e} s", scene.title, recorder.time);
+    Some(Profile { title, exact_curve, ..row })
+}
