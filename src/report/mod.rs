@@ -1,1 +1,26 @@
-//! Stub.
+//! What a run leaves behind: norms and totals, `report.json`, fields for viewers, probes, profile.
+//!
+//! Nothing here prints, and nothing here knows how the numbers were computed: callers hand over
+//! slices and get numbers, text or files back. Every file is written whole or not at all (see
+//! [`output`]), apart from `probes.csv`, which grows while the run goes on.
+
+pub mod format;
+pub mod norms;
+pub mod output;
+pub mod probes;
+pub mod profile;
+pub mod run;
+pub mod sum;
+pub mod vtu;
+
+mod axis;
+mod plot;
+mod summary;
+
+pub use norms::{Norms, observed_order};
+pub use output::{OutputError, OutputFolder};
+pub use probes::{ProbeRecord, ProbeWriter};
+pub use profile::Profile;
+pub use run::RunReport;
+pub use sum::total;
+pub use vtu::SeriesWriter;
