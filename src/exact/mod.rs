@@ -1,8 +1,17 @@
-//! Analytic solutions.
+//! Analytic solutions of dC/dt = D laplacian C, one file a family.
+
+mod point_source;
+mod slab;
+mod zero_flux_box;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::model::ScalarField;
+
+pub use point_source::PointSource;
+pub use slab::{HalfSpace, Slab};
+pub use zero_flux_box::{MassesInBox, PointSourceInBox, ZeroFluxBox};
 
 /// An analytic solution, evaluated at a position (m) and a time (s).
 #[derive(Clone, Debug)]
@@ -19,6 +28,54 @@ pub enum Solution {
         /// Gradient, 1/m.
         gradient: DVec3,
     },
+    /// A point source in free space, the report's (122).
+    PointSource(PointSource),
+    /// A point source in a box that nothing leaves.
+    PointSourceInBox(PointSourceInBox),
+    /// 2^dim equal point masses in a box that nothing leaves.
+    MassesInBox(MassesInBox),
+    /// A slab between two held faces.
+    Slab(Slab),
+    /// A half space behind a held surface.
+    HalfSpace(HalfSpace),
     /// An expression of the case file.
     Expression(ScalarField),
 }
+
+impl Solution {
+    /// The name in case files and reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Uniform { .. } => "uniform",
+            Self::Affine { .. } => "affine",
+            Self::PointSource(_) => "point_source",
+            Self::PointSourceInBox(_) => "point_source_in_box",
+            Self::MassesInBox(_) => "masses_in_box",
+            Self::Slab(_) => "slab",
+            Self::HalfSpace(_) => "half_space",
+            Self::Expression(_) => "expression",
+        }
+    }
+
+    /// The value at position `x` (m) and time `t` (s).
+    pub fn at(&self, x: DVec3, t: f64) -> f64 {
+        match self {
+            Self::Uniform { value } => *value,
+            Self::Affine { offset, gradient } => offset + gradient.dot(x),
+            Self::PointSource(solution) => solution.at(x, t),
+            Self::PointSourceInBox(solution) => solution.at(x, t),
+            Self::MassesInBox(solution) => solution.at(x, t),
+            Self::Slab(solution) => solution.at(x, t),
+            Self::HalfSpace(solution) => solution.at(x, t),
+            Self::Expression(field) => field.at(x, t),
+        }
+    }
+
+    /// The values at `positions` (m) and time `t` (s), computed in parallel.
+    pub fn evaluate(&self, positions: &[DVec3], t: f64) -> Vec<f64> {
+        positions.par_iter().map(|&x| self.at(x, t)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,331 @@
+//! The `exact` section: an analytic solution whose parameters default to what the scene says.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::error::CaseError;
+use super::number::{Evaluator, Field, Number, Point};
+use super::schema::Axis;
+use crate::exact::{
+    HalfSpace, MassesInBox, PointSource, PointSourceInBox, Slab, Solution, ZeroFluxBox,
+};
+use crate::model::{Domain, Material};
+
+/// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
+/// only material, the domain, the only deposit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    tag = "name",
+    deny_unknown_fields,
+    rename_all = "snake_case",
+    expecting = "an object"
+)]
+pub(super) enum ExactSpec {
+    /// The same value everywhere.
+    Uniform { value: Number },
+    /// offset + gradient . x
+    Affine { offset: Number, gradient: Point },
+    /// A point source in free space.
+    PointSource {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        amount: Option<Number>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffusivity: Option<Number>,
+        /// Share of the volume that takes up the substance; 1 where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        porosity: Option<Number>,
+    },
+    /// A point source in a box that nothing leaves.
+    PointSourceInBox {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        amount: Option<Number>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        min: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        max: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffusivity: Option<Number>,
+        /// Share of the volume that takes up the substance; 1 where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        porosity: Option<Number>,
+    },
+    /// Equal point masses at the corners of a cube around `at`, in a box that nothing leaves: a
+    /// deposit on 2^dim particles.
+    MassesInBox {
+        /// All masses together.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        amount: Option<Number>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        at: Option<Point>,
+        /// Edge of the cube, m; the spacing where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        separation: Option<Number>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        min: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        max: Option<Point>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffusivity: Option<Number>,
+    },
+    /// A slab between two held faces, from a uniform initial value.
+    Slab {
+        axis: Axis,
+        /// Coordinate of the left face, m; the domain's where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        from: Option<Number>,
+        /// Coordinate of the right face, m; the domain's where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        to: Option<Number>,
+        left: Number,
+        right: Number,
+        initial: Number,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffusivity: Option<Number>,
+    },
+    /// A body without end on the far side of a held surface, from a uniform initial value.
+    HalfSpace {
+        axis: Axis,
+        /// Coordinate of the surface, m; the domain's lower face where absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        from: Option<Number>,
+        surface: Number,
+        initial: Number,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffusivity: Option<Number>,
+    },
+    /// An expression of x y z t.
+    Expression { value: Number },
+}
+
+/// What the scene says about its exact solution.
+pub(super) struct Setting<'a> {
+    pub(super) evaluator: &'a Evaluator,
+    pub(super) domain: &'a Domain,
+    pub(super) spacing: f64,
+    pub(super) materials: &'a [Material],
+    /// Amount and place of every deposit.
+    pub(super) deposits: &'a [(f64, DVec3)],
+}
+
+/// The solution, and its expression where it is one (to be checked where particles are).
+pub(super) fn resolve(
+    spec: &ExactSpec,
+    setting: &Setting,
+) -> Result<(Solution, Option<Field>), CaseError> {
+    let dimension = setting.evaluator.dimension;
+    let solution = match spec {
+        ExactSpec::Uniform { value } => Solution::Uniform {
+            value: setting.given("value", value)?,
+        },
+        ExactSpec::Affine { offset, gradient } => Solution::Affine {
+            offset: setting.given("offset", offset)?,
+            gradient: setting.evaluator.point("exact.gradient", gradient)?,
+        },
+        ExactSpec::PointSource {
+            amount,
+            at,
+            diffusivity,
+            porosity,
+        } => {
+            let (amount, at) = setting.deposit(amount, at)?;
+            let porosity = setting.positive_or("porosity", porosity, 1.0)?;
+            let diffusivity = setting.diffusivity(diffusivity)?;
+            Solution::PointSource(PointSource {
+                dimension,
+                amount,
+                at,
+                diffusivity,
+                porosity,
+            })
+        }
+        ExactSpec::PointSourceInBox {
+            amount,
+            at,
+            min,
+            max,
+            diffusivity,
+            porosity,
+        } => {
+            let (amount, at) = setting.deposit(amount, at)?;
+            let porosity = setting.positive_or("porosity", porosity, 1.0)?;
+            let walls = setting.walls(min, max, diffusivity)?;
+            Solution::PointSourceInBox(PointSourceInBox {
+                walls,
+                amount,
+                at,
+                porosity,
+            })
+        }
+        ExactSpec::MassesInBox {
+            amount,
+            at,
+            separation,
+            min,
+            max,
+            diffusivity,
+        } => {
+            let (amount, at) = setting.deposit(amount, at)?;
+            let separation = setting.positive_or("separation", separation, setting.spacing)?;
+            let walls = setting.walls(min, max, diffusivity)?;
+            Solution::MassesInBox(MassesInBox {
+                walls,
+                amount,
+                at,
+                separation,
+            })
+        }
+        ExactSpec::Slab {
+            axis,
+            from,
+            to,
+            left,
+            right,
+            initial,
+            diffusivity,
+        } => {
+            let axis = setting.axis(*axis)?;
+            let from = setting.number_or("from", from, setting.domain.min[axis])?;
+            let to = setting.number_or("to", to, setting.domain.max[axis])?;
+            super::number::in_range("exact.to", to, to > from, "above exact.from")?;
+            Solution::Slab(Slab {
+                axis,
+                from,
+                to,
+                left: setting.given("left", left)?,
+                right: setting.given("right", right)?,
+                initial: setting.given("initial", initial)?,
+                diffusivity: setting.diffusivity(diffusivity)?,
+            })
+        }
+        ExactSpec::HalfSpace {
+            axis,
+            from,
+            surface,
+            initial,
+            diffusivity,
+        } => {
+            let axis = setting.axis(*axis)?;
+            Solution::HalfSpace(HalfSpace {
+                axis,
+                from: setting.number_or("from", from, setting.domain.min[axis])?,
+                surface: setting.given("surface", surface)?,
+                initial: setting.given("initial", initial)?,
+                diffusivity: setting.diffusivity(diffusivity)?,
+            })
+        }
+        ExactSpec::Expression { value } => {
+            let field = setting.evaluator.field_in_time("exact.value", value)?;
+            return Ok((Solution::Expression(field.scalar.clone()), Some(field)));
+        }
+    };
+    Ok((solution, None))
+}
+
+impl Setting<'_> {
+    fn given(&self, key: &str, number: &Number) -> Result<f64, CaseError> {
+        self.evaluator.number(&format!("exact.{key}"), number)
+    }
+
+    fn number_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        default: f64,
+    ) -> Result<f64, CaseError> {
+        number
+            .as_ref()
+            .map_or(Ok(default), |number| self.given(key, number))
+    }
+
+    fn positive_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        default: f64,
+    ) -> Result<f64, CaseError> {
+        let path = format!("exact.{key}");
+        number
+            .as_ref()
+            .map_or(Ok(default), |number| self.evaluator.positive(&path, number))
+    }
+
+    fn axis(&self, axis: Axis) -> Result<usize, CaseError> {
+        super::boundary::axis_index(axis, "exact.axis", self.evaluator.dimension)
+    }
+
+    fn diffusivity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
+        match (number, self.materials) {
+            (Some(number), _) => self.evaluator.positive("exact.diffusivity", number),
+            (None, [material]) => Ok(material.diffusivity),
+            (None, materials) => Err(undetermined(
+                "diffusivity",
+                format!("the case has {} materials", materials.len()),
+            )),
+        }
+    }
+
+    fn deposit(
+        &self,
+        amount: &Option<Number>,
+        at: &Option<Point>,
+    ) -> Result<(f64, DVec3), CaseError> {
+        let only = match self.deposits {
+            [only] => Some(*only),
+            _ => None,
+        };
+        let unknown = |key| {
+            undetermined(
+                key,
+                format!("the case has {} deposits", self.deposits.len()),
+            )
+        };
+        let amount = match (amount, only) {
+            (Some(amount), _) => self.given("amount", amount)?,
+            (None, Some((amount, _))) => amount,
+            (None, None) => return Err(unknown("amount")),
+        };
+        let at = match (at, only) {
+            (Some(at), _) => self.evaluator.point("exact.at", at)?,
+            (None, Some((_, at))) => at,
+            (None, None) => return Err(unknown("at")),
+        };
+        Ok((amount, at))
+    }
+
+    fn walls(
+        &self,
+        min: &Option<Point>,
+        max: &Option<Point>,
+        diffusivity: &Option<Number>,
+    ) -> Result<ZeroFluxBox, CaseError> {
+        let corner = |key: &str, corner: &Option<Point>, default| match corner {
+            Some(point) => self.evaluator.point(&format!("exact.{key}"), point),
+            None => Ok(default),
+        };
+        let min = corner("min", min, self.domain.min)?;
+        let max = corner("max", max, self.domain.max)?;
+        let dimension = self.evaluator.dimension;
+        for axis in 0..dimension {
+            let path = format!("exact.max[{axis}]");
+            super::number::in_range(&path, max[axis], max[axis] > min[axis], "above exact.min")?;
+        }
+        Ok(ZeroFluxBox {
+            dimension,
+            min,
+            max,
+            diffusivity: self.diffusivity(diffusivity)?,
+        })
+    }
+}
+
+fn undetermined(key: &str, reason: String) -> CaseError {
+    CaseError::Undetermined {
+        path: format!("exact.{key}"),
+        reason,
+    }
+}

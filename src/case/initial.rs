@@ -1,0 +1,153 @@
+//! The `initial` section.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::boundary::select;
+use super::error::CaseError;
+use super::number::{Evaluator, Number, Point};
+use super::schema::InitialSpec;
+use super::shape::ShapeSpec;
+use crate::model::{Domain, Particles};
+
+/// Particles share a deposit if their distances to it differ by less than this fraction of the
+/// spacing.
+const SAME_DISTANCE: f64 = 1e-6;
+
+/// Values at t = 0, with what they were made of.
+pub(super) struct Initial {
+    /// One value a particle.
+    pub(super) value: Vec<f64>,
+    /// Amount and place of every deposit.
+    pub(super) deposits: Vec<(f64, DVec3)>,
+    /// The particles that took part of a deposit, with the entry's index.
+    pub(super) recipients: Vec<(u32, usize)>,
+}
+
+/// What the initial values are made from.
+pub(super) struct Ground<'a> {
+    pub(super) evaluator: &'a Evaluator,
+    pub(super) domain: &'a Domain,
+    pub(super) spacing: f64,
+    pub(super) particles: &'a Particles,
+}
+
+/// Values first, later entries over earlier ones; then every amount is added on top.
+pub(super) fn resolve(entries: &[InitialSpec], ground: &Ground) -> Result<Initial, CaseError> {
+    let mut initial = Initial {
+        value: vec![0.0; ground.particles.len()],
+        deposits: Vec::new(),
+        recipients: Vec::new(),
+    };
+    let mut amounts = Vec::new();
+    for (index, entry) in entries.iter().enumerate() {
+        let path = format!("initial[{index}]");
+        match (&entry.value, &entry.amount) {
+            (Some(value), None) => {
+                forbid(&path, "at", entry.at.is_some(), "it belongs to an amount")?;
+                ground.set(&mut initial.value, &path, value, entry.selection.as_ref())?;
+            }
+            (None, Some(amount)) => {
+                let reason = "it belongs to a value; an amount has a place, at";
+                forbid(&path, "where", entry.selection.is_some(), reason)?;
+                let at = entry.at.as_ref();
+                let at = at.ok_or(CaseError::MissingKey {
+                    path: format!("{path}.at"),
+                })?;
+                amounts.push((index, path, amount, at));
+            }
+            (Some(_), Some(_)) => {
+                forbid(&path, "amount", true, "the entry has a value already")?;
+            }
+            (None, None) => {
+                return Err(CaseError::MissingKey {
+                    path: format!("{path}.value"),
+                });
+            }
+        }
+    }
+    for (index, path, amount, at) in amounts {
+        ground.deposit(&mut initial, index, &path, amount, at)?;
+    }
+    Ok(initial)
+}
+
+fn forbid(path: &str, key: &str, given: bool, reason: &str) -> Result<(), CaseError> {
+    if !given {
+        return Ok(());
+    }
+    Err(CaseError::UnusedKey {
+        path: format!("{path}.{key}"),
+        reason: reason.to_owned(),
+    })
+}
+
+impl Ground<'_> {
+    fn set(
+        &self,
+        initial: &mut [f64],
+        path: &str,
+        value: &Number,
+        selection: Option<&ShapeSpec>,
+    ) -> Result<(), CaseError> {
+        let value = self.evaluator.field(&format!("{path}.value"), value)?;
+        let position = &self.particles.position;
+        let Some(selection) = selection else {
+            return initial
+                .par_iter_mut()
+                .zip(position)
+                .try_for_each(|(entry, &x)| {
+                    *entry = value.at(x, 0.0)?;
+                    Ok(())
+                });
+        };
+        let path = format!("{path}.where");
+        let shape = selection.resolve(self.evaluator, &path)?;
+        for particle in select(self.particles, &shape, self.spacing, &path)? {
+            initial[particle as usize] = value.at(position[particle as usize], 0.0)?;
+        }
+        Ok(())
+    }
+
+    fn deposit(
+        &self,
+        initial: &mut Initial,
+        index: usize,
+        path: &str,
+        amount: &Number,
+        at: &Point,
+    ) -> Result<(), CaseError> {
+        let amount = self.evaluator.number(&format!("{path}.amount"), amount)?;
+        let at_path = format!("{path}.at");
+        let at = self.evaluator.point(&at_path, at)?;
+        super::build::check_inside(&at_path, at, self.domain, self.evaluator, self.spacing)?;
+        let nearest = self.nearest(at);
+        let volume: f64 = nearest
+            .iter()
+            .map(|&b| self.particles.volume[b as usize])
+            .sum();
+        for particle in nearest {
+            initial.value[particle as usize] += amount / volume;
+            initial.recipients.push((particle, index));
+        }
+        initial.deposits.push((amount, at));
+        Ok(())
+    }
+
+    /// Every particle whose distance to `at` is the least, ascending.
+    fn nearest(&self, at: DVec3) -> Vec<u32> {
+        let dist = |x: &DVec3| self.domain.nearest_image(*x - at).length();
+        let position = &self.particles.position;
+        let least = position
+            .par_iter()
+            .map(dist)
+            .reduce(|| f64::INFINITY, f64::min);
+        let reach = least + SAME_DISTANCE * self.spacing;
+        position
+            .par_iter()
+            .enumerate()
+            .filter(|(_, x)| dist(x) <= reach)
+            .map(|(index, _)| index as u32)
+            .collect()
+    }
+}

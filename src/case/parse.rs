@@ -1,0 +1,193 @@
+//! Text to JSON to the typed case, with errors that name the path.
+
+use std::fmt;
+
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, de};
+use serde_json::{Map, Value};
+
+use super::error::{CaseError, nearest};
+use super::schema::Case;
+
+/// Parses strict JSON: a key that an object has twice is an error.
+pub(super) fn parse(text: &str) -> Result<Value, CaseError> {
+    let failed = |path: String, reason: String| CaseError::Json { path, reason };
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let mut track = serde_path_to_error::Track::new();
+    let tracked = serde_path_to_error::Deserializer::new(&mut deserializer, &mut track);
+    let value = StrictSeed
+        .deserialize(tracked)
+        .map_err(|error| failed(written(&track.path()), error.to_string()))?;
+    deserializer
+        .end()
+        .map_err(|error| failed(String::new(), error.to_string()))?;
+    Ok(value)
+}
+
+/// Reads the typed case.
+pub(super) fn read(json: &Value) -> Result<Case, CaseError> {
+    serde_path_to_error::deserialize(json)
+        .map_err(|error| explain(json, &written(error.path()), &error.inner().to_string()))
+}
+
+/// A path as messages write it; empty at the top.
+fn written(path: &serde_path_to_error::Path) -> String {
+    let text = path.to_string();
+    if text == "." { String::new() } else { text }
+}
+
+/// Turns serde's message into an error with values. What serde puts between backquotes are the
+/// offending name and then the known ones.
+fn explain(json: &Value, path: &str, message: &str) -> CaseError {
+    let quoted: Vec<String> = message
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect();
+    let first = quoted.first().cloned().unwrap_or_default();
+    let known: Vec<String> = quoted.iter().skip(1).cloned().collect();
+    let nearest = nearest(&first, &known, 1);
+    if message.starts_with("unknown field") {
+        return CaseError::UnknownKey {
+            path: below(path, &first),
+            nearest,
+            known,
+        };
+    }
+    if message.starts_with("missing field") {
+        return CaseError::MissingKey {
+            path: join(path, &first),
+        };
+    }
+    if message.starts_with("unknown variant") {
+        let found = lookup(json, path);
+        if found.is_some_and(|value| value.get(&first).is_some()) {
+            return CaseError::UnknownKey {
+                path: join(path, &first),
+                nearest,
+                known,
+            };
+        }
+        // A tagged object is known to serde by its own path, not by that of the tag.
+        let tagged = found.is_some_and(Value::is_object);
+        let path = if tagged {
+            join(path, "name")
+        } else {
+            path.to_owned()
+        };
+        return CaseError::UnknownName {
+            path,
+            text: first,
+            nearest,
+            known,
+        };
+    }
+    let path = if path.is_empty() { "case" } else { path }.to_owned();
+    CaseError::WrongType {
+        path,
+        reason: message.replace('`', ""),
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+/// `path.key`, unless the path ends with the key already.
+fn below(path: &str, key: &str) -> String {
+    let ends_with_key = path.rsplit('.').next() == Some(key);
+    if ends_with_key {
+        path.to_owned()
+    } else {
+        join(path, key)
+    }
+}
+
+fn lookup<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
+    let path = path.replace('[', ".").replace(']', "");
+    path.split('.')
+        .filter(|segment| !segment.is_empty())
+        .try_fold(json, |value, segment| match segment.parse::<usize>() {
+            Ok(index) if value.is_array() => value.get(index),
+            _ => value.get(segment),
+        })
+}
+
+/// A JSON value whose objects have no key twice.
+struct Strict(Value);
+
+struct StrictSeed;
+
+impl<'de> DeserializeSeed<'de> for StrictSeed {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        Strict::deserialize(deserializer).map(|strict| strict.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Strict {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(StrictVisitor).map(Strict)
+    }
+}
+
+struct StrictVisitor;
+
+impl<'de> Visitor<'de> for StrictVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E: de::Error>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E: de::Error>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+        let mut list = Vec::new();
+        while let Some(Strict(value)) = access.next_element()? {
+            list.push(value);
+        }
+        Ok(list.into())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+        let mut map = Map::new();
+        while let Some((key, Strict(value))) = access.next_entry::<String, Strict>()? {
+            if map.contains_key(&key) {
+                return Err(A::Error::custom(format!(
+                    "the key \"{key}\" is given twice"
+                )));
+            }
+            map.insert(key, value);
+        }
+        Ok(map.into())
+    }
+}

@@ -1,0 +1,264 @@
+//! The types of the case file: read, written back as resolved, and described by a JSON Schema.
+//!
+//! Numbers and points stay as written here; [`super::build`] evaluates and checks them.
+
+use std::collections::BTreeMap;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+
+use super::OutputField;
+use super::exact::ExactSpec;
+use super::number::{Number, Point};
+use super::shape::ShapeSpec;
+use crate::model::integrator::Method;
+use crate::model::{Correction, KernelKind, PairMean};
+
+/// A scene for diffusph. SI units throughout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+#[schemars(title = "diffusph case")]
+pub(super) struct Case {
+    /// Where this schema lies, for editors.
+    #[serde(rename = "$schema", default, skip_serializing)]
+    pub(super) schema: Option<String>,
+    /// One line on what the case shows.
+    pub(super) title: String,
+    /// 1, 2 or 3; points have as many components.
+    #[schemars(range(min = 1, max = 3))]
+    pub(super) dimension: u32,
+    pub(super) particles: ParticlesSpec,
+    pub(super) kernel: KernelSpec,
+    #[serde(default)]
+    pub(super) operator: OperatorSpec,
+    /// What the fills are made of, by name.
+    pub(super) materials: BTreeMap<String, MaterialSpec>,
+    /// Values at t = 0, which are 0 where no entry says otherwise.
+    #[serde(default)]
+    pub(super) initial: Vec<InitialSpec>,
+    /// Held particles, periodic axes and walls. Faces that are not listed are free.
+    #[serde(default)]
+    pub(super) boundaries: Vec<BoundarySpec>,
+    pub(super) time: TimeSpec,
+    /// What the result is compared with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) exact: Option<ExactSpec>,
+    /// Where the value is recorded over time.
+    #[serde(default)]
+    pub(super) probes: Vec<ProbeSpec>,
+    #[serde(default)]
+    pub(super) output: OutputSpec,
+}
+
+/// The particles: shapes filled with a lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct ParticlesSpec {
+    /// Distance between neighbours, m.
+    pub(super) spacing: Number,
+    #[serde(default)]
+    pub(super) arrangement: Arrangement,
+    /// Shapes without overlap; the domain is the box around them all.
+    #[schemars(length(min = 1))]
+    pub(super) fill: Vec<FillSpec>,
+}
+
+/// How particles are arranged: `lattice` puts them at the centres of square cells that start at
+/// the lower corner of the first fill.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Arrangement {
+    #[default]
+    Lattice,
+}
+
+/// A shape filled with particles of one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct FillSpec {
+    pub(super) shape: ShapeSpec,
+    /// Name of a material.
+    pub(super) material: String,
+}
+
+/// The smoothing kernel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct KernelSpec {
+    #[schemars(schema_with = "kernel_names")]
+    pub(super) name: String,
+    /// Support radius over spacing, above 1.
+    pub(super) support_ratio: Number,
+}
+
+/// The diffusion operator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "an object")]
+pub(super) struct OperatorSpec {
+    /// How the diffusivities of a pair are joined.
+    #[schemars(schema_with = "pair_mean_names")]
+    pub(super) pair_mean: String,
+    /// `moment` divides by the lattice's effective diffusivity; `none` is the plain operator.
+    #[schemars(schema_with = "correction_names")]
+    pub(super) correction: String,
+}
+
+impl Default for OperatorSpec {
+    fn default() -> Self {
+        Self {
+            pair_mean: PairMean::Harmonic.name().to_owned(),
+            correction: Correction::Moment.name().to_owned(),
+        }
+    }
+}
+
+/// A material of constant properties.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct MaterialSpec {
+    /// Diffusivity, m2/s.
+    pub(super) diffusivity: Number,
+    /// Density, kg/m3.
+    #[serde(default = "default_density")]
+    pub(super) density: Number,
+}
+
+/// Either `value` (which may depend on x y z), everywhere or in a shape, where a later entry
+/// replaces an earlier one; or `amount`, a total of value x volume that is added to the values of
+/// the particles nearest to `at`, in equal parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+#[schemars(extend("oneOf" = [
+    { "required": ["value"], "properties": { "amount": false, "at": false } },
+    { "required": ["amount", "at"], "properties": { "value": false, "where": false } }
+]))]
+pub(super) struct InitialSpec {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) value: Option<Number>,
+    #[serde(default, rename = "where", skip_serializing_if = "Option::is_none")]
+    pub(super) selection: Option<ShapeSpec>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) amount: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) at: Option<Point>,
+}
+
+/// What happens at the edge, or wherever particles are held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "snake_case",
+    expecting = "an object of one key"
+)]
+pub(super) enum BoundarySpec {
+    /// Particles whose value does not change.
+    Held {
+        #[serde(rename = "where")]
+        selection: ShapeSpec,
+        /// The value, which may depend on x y z.
+        value: Number,
+    },
+    /// Axes on which the domain repeats.
+    Periodic { axes: Vec<Axis> },
+    /// A wall on a face of the domain.
+    Wall { face: Face, kind: WallKind },
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// A face of the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Face {
+    XMin,
+    XMax,
+    YMin,
+    YMax,
+    ZMin,
+    ZMax,
+}
+
+/// What a wall does: `free` leaves the support truncated, so that nothing crosses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum WallKind {
+    Free,
+}
+
+/// Duration, step and method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct TimeSpec {
+    /// Simulated time, s; 0 writes the initial state alone.
+    pub(super) end: Number,
+    /// Step, s; the largest that is known to be stable where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) step: Option<Number>,
+    #[serde(default = "default_method")]
+    #[schemars(schema_with = "method_names")]
+    pub(super) method: String,
+}
+
+/// A place where the value is recorded over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct ProbeSpec {
+    pub(super) name: String,
+    pub(super) at: Point,
+}
+
+/// What is written, and when.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "an object")]
+pub(super) struct OutputSpec {
+    /// Time between two outputs of the fields, s; the end where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) every: Option<Number>,
+    /// Time between two records of the probes, s; `every` where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) probe_every: Option<Number>,
+    /// Fields to write; the value, and with an exact solution that and the error, where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fields: Option<Vec<OutputField>>,
+}
+
+/// The JSON Schema of a case file.
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(Case).to_value()
+}
+
+fn default_density() -> Number {
+    crate::model::material::DEFAULT_DENSITY.into()
+}
+
+fn default_method() -> String {
+    Method::Euler.name().to_owned()
+}
+
+fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Schema {
+    let names: Vec<&str> = all.iter().map(|&entry| name(entry)).collect();
+    json_schema!({ "type": "string", "enum": names })
+}
+
+fn kernel_names(_: &mut SchemaGenerator) -> Schema {
+    names(&KernelKind::ALL, KernelKind::name)
+}
+
+fn pair_mean_names(_: &mut SchemaGenerator) -> Schema {
+    names(&PairMean::ALL, PairMean::name)
+}
+
+fn correction_names(_: &mut SchemaGenerator) -> Schema {
+    names(&Correction::ALL, Correction::name)
+}
+
+fn method_names(_: &mut SchemaGenerator) -> Schema {
+    names(&Method::ALL, Method::name)
+}

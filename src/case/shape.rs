@@ -1,0 +1,354 @@
+//! Shapes: what is filled, and what selects particles.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::error::CaseError;
+use super::number::{Evaluator, Number, Point, in_range};
+
+/// A region of space; its surface belongs to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "snake_case",
+    expecting = "an object of one key"
+)]
+pub(super) enum ShapeSpec {
+    /// A box along the axes.
+    Box { min: Point, max: Point },
+    /// A ball; in 2-D a disk.
+    Sphere { center: Point, radius: Number },
+    /// A round cylinder with flat ends, in 3-D.
+    Cylinder {
+        from: Point,
+        to: Point,
+        radius: Number,
+    },
+    /// What lies between two concentric spheres; in 2-D a ring. `annulus` is the same.
+    #[serde(alias = "annulus")]
+    Shell {
+        center: Point,
+        inner_radius: Number,
+        outer_radius: Number,
+    },
+    /// Everything on one side of a plane: the normal points out of the half space.
+    HalfSpace { point: Point, normal: Point },
+    /// What is in any of the shapes.
+    Union(Vec<ShapeSpec>),
+    /// `of` without the shapes of `minus` and their surfaces.
+    Difference {
+        of: Box<ShapeSpec>,
+        minus: Vec<ShapeSpec>,
+    },
+}
+
+/// A shape in numbers, m.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
+    Box {
+        min: DVec3,
+        max: DVec3,
+    },
+    Cylinder {
+        from: DVec3,
+        to: DVec3,
+        radius: f64,
+    },
+    /// A sphere has an inner radius below zero, so that nothing is cut out of it.
+    Shell {
+        center: DVec3,
+        inner_radius: f64,
+        outer_radius: f64,
+        dimension: usize,
+    },
+    HalfSpace {
+        point: DVec3,
+        normal: DVec3,
+    },
+    Union(Vec<Shape>),
+    Difference {
+        of: Box<Shape>,
+        minus: Vec<Shape>,
+    },
+}
+
+impl ShapeSpec {
+    /// Evaluates and checks the shape.
+    pub(super) fn resolve(&self, evaluator: &Evaluator, path: &str) -> Result<Shape, CaseError> {
+        let wrong = |reason: &str| CaseError::Shape {
+            path: path.to_owned(),
+            reason: reason.to_owned(),
+        };
+        let point = |key: &str, value| evaluator.point(&format!("{path}.{key}"), value);
+        let positive = |key: &str, value| evaluator.positive(&format!("{path}.{key}"), value);
+        let dimension = evaluator.dimension;
+        match self {
+            Self::Box { min, max } => {
+                let (min, max) = (point("box.min", min)?, point("box.max", max)?);
+                if !min.cmple(max).all() {
+                    return Err(wrong("box.min must not exceed box.max on any axis"));
+                }
+                Ok(Shape::Box { min, max })
+            }
+            Self::Sphere { center, radius } => {
+                let center = point("sphere.center", center)?;
+                let outer_radius = positive("sphere.radius", radius)?;
+                Ok(Shape::Shell {
+                    center,
+                    inner_radius: -1.0,
+                    outer_radius,
+                    dimension,
+                })
+            }
+            Self::Cylinder { .. } if dimension != 3 => Err(wrong(
+                "a cylinder needs dimension 3; use sphere, which is a disk in 2-D",
+            )),
+            Self::Cylinder { from, to, radius } => {
+                let (from, to) = (point("cylinder.from", from)?, point("cylinder.to", to)?);
+                if from == to {
+                    return Err(wrong("cylinder.from and cylinder.to must differ"));
+                }
+                Ok(Shape::Cylinder {
+                    from,
+                    to,
+                    radius: positive("cylinder.radius", radius)?,
+                })
+            }
+            Self::Shell {
+                center,
+                inner_radius,
+                outer_radius,
+            } => {
+                let inner_path = format!("{path}.shell.inner_radius");
+                let inner_radius = evaluator.not_negative(&inner_path, inner_radius)?;
+                let outer_radius = positive("shell.outer_radius", outer_radius)?;
+                let narrower = inner_radius < outer_radius;
+                in_range(
+                    &inner_path,
+                    inner_radius,
+                    narrower,
+                    "below the outer radius",
+                )?;
+                let center = point("shell.center", center)?;
+                Ok(Shape::Shell {
+                    center,
+                    inner_radius,
+                    outer_radius,
+                    dimension,
+                })
+            }
+            Self::HalfSpace {
+                point: foot,
+                normal,
+            } => {
+                let normal = point("half_space.normal", normal)?;
+                let normal = normal
+                    .try_normalize()
+                    .ok_or_else(|| wrong("half_space.normal must not be zero"))?;
+                Ok(Shape::HalfSpace {
+                    point: point("half_space.point", foot)?,
+                    normal,
+                })
+            }
+            Self::Union(shapes) => {
+                if shapes.is_empty() {
+                    return Err(wrong("union needs at least one shape"));
+                }
+                Ok(Shape::Union(resolve_all(
+                    shapes,
+                    evaluator,
+                    &format!("{path}.union"),
+                )?))
+            }
+            Self::Difference { of, minus } => {
+                let of = Box::new(of.resolve(evaluator, &format!("{path}.difference.of"))?);
+                let minus_path = format!("{path}.difference.minus");
+                Ok(Shape::Difference {
+                    of,
+                    minus: resolve_all(minus, evaluator, &minus_path)?,
+                })
+            }
+        }
+    }
+}
+
+fn resolve_all(
+    shapes: &[ShapeSpec],
+    evaluator: &Evaluator,
+    path: &str,
+) -> Result<Vec<Shape>, CaseError> {
+    let resolve =
+        |(index, shape): (usize, &ShapeSpec)| shape.resolve(evaluator, &format!("{path}[{index}]"));
+    shapes.iter().enumerate().map(resolve).collect()
+}
+
+impl Shape {
+    /// Whether `x` lies in the shape or within `tolerance` (m) of it.
+    pub(super) fn contains(&self, x: DVec3, tolerance: f64) -> bool {
+        match self {
+            Self::Box { min, max } => {
+                let tolerance = DVec3::splat(tolerance);
+                x.cmpge(*min - tolerance).all() && x.cmple(*max + tolerance).all()
+            }
+            Self::Cylinder { from, to, radius } => {
+                let length = from.distance(*to);
+                let direction = (*to - *from) / length;
+                let along = (x - *from).dot(direction);
+                let across = (x - *from - along * direction).length();
+                across <= radius + tolerance && along >= -tolerance && along <= length + tolerance
+            }
+            Self::Shell {
+                center,
+                inner_radius,
+                outer_radius,
+                ..
+            } => {
+                let dist = x.distance(*center);
+                dist >= inner_radius - tolerance && dist <= outer_radius + tolerance
+            }
+            Self::HalfSpace { point, normal } => (x - *point).dot(*normal) <= tolerance,
+            Self::Union(shapes) => shapes.iter().any(|shape| shape.contains(x, tolerance)),
+            Self::Difference { of, minus } => {
+                of.contains(x, tolerance) && !minus.iter().any(|cut| cut.contains(x, tolerance))
+            }
+        }
+    }
+
+    /// Lower and upper corner of a box around the shape; `None` where it has no bounds.
+    pub(super) fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        match self {
+            Self::Box { min, max } => Some((*min, *max)),
+            Self::Cylinder { from, to, radius } => {
+                let direction = (*to - *from).normalize();
+                // The rim of an end reaches radius sin(angle) along an axis.
+                let sine = (DVec3::ONE - direction * direction)
+                    .max(DVec3::ZERO)
+                    .map(f64::sqrt);
+                let reach = *radius * sine;
+                Some((from.min(*to) - reach, from.max(*to) + reach))
+            }
+            Self::Shell {
+                center,
+                outer_radius,
+                dimension,
+                ..
+            } => {
+                let mut reach = DVec3::ZERO;
+                for axis in 0..*dimension {
+                    reach[axis] = *outer_radius;
+                }
+                Some((*center - reach, *center + reach))
+            }
+            Self::HalfSpace { .. } => None,
+            Self::Union(shapes) => {
+                let mut bounds = shapes.iter().map(Self::bounds);
+                let first = bounds.next()??;
+                bounds.try_fold(first, |all, next| {
+                    next.map(|next| (all.0.min(next.0), all.1.max(next.1)))
+                })
+            }
+            Self::Difference { of, .. } => of.bounds(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn shape(json: serde_json::Value) -> Result<Shape, CaseError> {
+        let spec: ShapeSpec = serde_json::from_value(json).expect("shape");
+        spec.resolve(
+            &Evaluator {
+                dimension: 3,
+                spacing: Some(0.1),
+            },
+            "s",
+        )
+    }
+
+    #[test]
+    fn shapes_hold_what_they_should() {
+        let unit = json!({ "box": { "min": [0, 0, 0], "max": [1, 1, 1] } });
+        let ball = json!({ "sphere": { "center": [0, 0, 0], "radius": 1 } });
+        let tube = json!({ "cylinder": { "from": [0, 0, 0], "to": [0, 0, 2], "radius": 1 } });
+        let shell = json!({ "annulus": { "center": [0, 0, 0], "inner_radius": 1,
+            "outer_radius": 2 } });
+        let half = json!({ "half_space": { "point": [0.5, 0, 0], "normal": [2, 0, 0] } });
+        for (json, inside, outside) in [
+            (unit.clone(), [1.0, 0.0, 0.5], [1.1, 0.0, 0.5]),
+            (ball.clone(), [0.0, 0.0, 0.0], [0.8, 0.8, 0.0]),
+            (tube, [0.0, 1.0, 2.0], [0.0, 0.0, 2.1]),
+            (shell, [0.0, 1.0, 0.0], [0.0, 0.9, 0.0]),
+            (half.clone(), [-9.0, 5.0, 0.0], [0.6, 0.0, 0.0]),
+            (
+                json!({ "union": [unit.clone(), ball.clone()] }),
+                [-0.9, 0.0, 0.0],
+                [1.0, -1.0, 0.0],
+            ),
+            (
+                json!({ "difference": { "of": unit, "minus": [ball] } }),
+                [0.9, 0.9, 0.9],
+                [1.0, 0.0, 0.0],
+            ),
+        ] {
+            let shape = shape(json.clone()).expect("good");
+            assert!(shape.contains(inside.into(), 1e-10), "{json}");
+            assert!(!shape.contains(outside.into(), 1e-10), "{json}");
+        }
+    }
+
+    #[test]
+    fn bounds_enclose() {
+        let tilted = json!({ "cylinder": { "from": [0, 0, 0], "to": [1, 0, 0], "radius": 2 } });
+        let bounds = shape(tilted).expect("good").bounds().expect("bounded");
+        assert_eq!(
+            bounds,
+            (DVec3::new(0.0, -2.0, -2.0), DVec3::new(1.0, 2.0, 2.0))
+        );
+        let half = json!({ "half_space": { "point": [0.5, 0, 0], "normal": [2, 0, 0] } });
+        assert_eq!(shape(half.clone()).expect("good").bounds(), None);
+        let cut = json!({ "difference": { "of": { "sphere": { "center": [0, 0, 0], "radius": 1 } },
+            "minus": [half] } });
+        assert_eq!(
+            shape(cut).expect("good").bounds(),
+            Some((-DVec3::ONE, DVec3::ONE))
+        );
+    }
+
+    #[test]
+    fn contradictions_are_named() {
+        for (json, message) in [
+            (
+                json!({ "box": { "min": [0, 2, 0], "max": [1, 1, 1] } }),
+                "s: box.min must not",
+            ),
+            (
+                json!({ "sphere": { "center": [0, 0, 0], "radius": 0 } }),
+                "s.sphere.radius: is 0,",
+            ),
+            (
+                json!({ "sphere": { "center": [0, 0], "radius": 1 } }),
+                "s.sphere.center: has 2 ",
+            ),
+            (
+                json!({ "cylinder": { "from": [0, 0, 0], "to": [0, 0, 0], "radius": 1 } }),
+                "s: cylinder.from and",
+            ),
+            (
+                json!({ "shell": { "center": [0, 0, 0], "inner_radius": 3, "outer_radius": 2 } }),
+                "s.shell.inner_radius: is 3,",
+            ),
+            (
+                json!({ "half_space": { "point": [0, 0, 0], "normal": [0, 0, 0] } }),
+                "s: half_space.normal must",
+            ),
+            (json!({ "union": [] }), "s: union needs"),
+        ] {
+            let found = shape(json).expect_err(message).to_string();
+            assert!(found.starts_with(message), "{found}");
+        }
+    }
+}

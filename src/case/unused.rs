@@ -1,0 +1,105 @@
+//! Keys that nothing in the case uses.
+
+use serde_json::Value;
+
+use super::OutputField;
+use super::error::CaseError;
+use super::number::{Evaluator, Number};
+use super::overrides::Override;
+use super::parse::read;
+use super::schema::Case;
+
+#[derive(PartialEq)]
+struct Unused {
+    path: String,
+    reason: &'static str,
+}
+
+/// Takes the keys that nothing uses out of `case`. One that an override made unused is a warning;
+/// one that the file or an override itself has to no use is an error.
+pub(super) fn remove(
+    case: &mut Case,
+    original: &Value,
+    overrides: &[Override],
+) -> Result<Vec<String>, CaseError> {
+    let found = take_out(case);
+    if found.is_empty() {
+        return Ok(Vec::new());
+    }
+    let before = match read(original) {
+        Ok(mut case) if !overrides.is_empty() => take_out(&mut case),
+        _ => {
+            return found
+                .into_iter()
+                .next()
+                .map_or(Ok(Vec::new()), |unused| Err(unused.error()));
+        }
+    };
+    let mut warnings = Vec::new();
+    for unused in found {
+        if before.contains(&unused) || overrides.iter().any(|entry| entry.path == unused.path) {
+            return Err(unused.error());
+        }
+        warnings.push(unused.error().to_string());
+    }
+    Ok(warnings)
+}
+
+impl Unused {
+    fn error(self) -> CaseError {
+        CaseError::UnusedKey {
+            path: self.path,
+            reason: self.reason.to_owned(),
+        }
+    }
+}
+
+fn take_out(case: &mut Case) -> Vec<Unused> {
+    let mut found = Vec::new();
+    let mut drop = |path: String, reason: &'static str| found.push(Unused { path, reason });
+    let fills = &case.particles.fill;
+    case.materials.retain(|name, _| {
+        let used = fills.iter().any(|fill| fill.material == *name);
+        if !used {
+            drop(format!("materials.{name}"), "no fill is made of it");
+        }
+        used
+    });
+    let needs_exact =
+        |field: &OutputField| matches!(field, OutputField::Exact | OutputField::Error);
+    if let Some(fields) = &mut case.output.fields {
+        if case.exact.is_none() && fields.iter().any(needs_exact) {
+            drop(
+                "output.fields".to_owned(),
+                "exact and error need an exact solution",
+            );
+            fields.retain(|field| !needs_exact(field));
+        }
+    }
+    if case.probes.is_empty() && case.output.probe_every.take().is_some() {
+        drop("output.probe_every".to_owned(), "there are no probes");
+    }
+    if is_zero(&case.time.end) {
+        let nothing_integrated = "time.end is 0, so that nothing is integrated";
+        if case.time.step.take().is_some() {
+            drop("time.step".to_owned(), nothing_integrated);
+        }
+        if case.output.every.take().is_some() {
+            drop("output.every".to_owned(), nothing_integrated);
+        }
+        if case.output.probe_every.take().is_some() {
+            drop("output.probe_every".to_owned(), nothing_integrated);
+        }
+    }
+    found
+}
+
+pub(super) fn is_zero(number: &Number) -> bool {
+    let evaluator = Evaluator {
+        dimension: 1,
+        spacing: Some(1.0),
+    };
+    evaluator
+        .number("time.end", number)
+        .is_ok_and(|value| value == 0.0)
+}
