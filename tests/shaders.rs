@@ -27,7 +27,10 @@ fn check(source: &str) -> Result<(), String> {
     let info = validator
         .validate(&module)
         .map_err(|e| e.emit_to_string(source))?;
-    let named = module.functions.iter().map(|(handle, f)| (f, &info[handle]));
+    let named = module
+        .functions
+        .iter()
+        .map(|(handle, f)| (f, &info[handle]));
     let entry = module.entry_points.iter().enumerate();
     let entries = entry.map(|(i, e)| (&e.function, info.get_entry_point(i)));
     for (function, of_function) in named.chain(entries) {
@@ -105,7 +108,10 @@ fn every_combination_is_valid() {
 #[test]
 fn a_broken_slot_is_noticed() {
     for precision in Precision::ALL {
-        let list = a_choice(precision).list().link().expect("every file exists");
+        let list = a_choice(precision)
+            .list()
+            .link()
+            .expect("every file exists");
         check(&list).expect("valid as it is");
         let signature = "fn kernel_shape_dw_over_r(q: real)";
         assert!(list.contains(signature));

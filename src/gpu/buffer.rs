@@ -79,7 +79,8 @@ impl Device {
         let map_error = || GpuError::Map {
             what: buffer.name.clone(),
         };
-        if !receiver.try_recv().unwrap_or(false) {
+        // Another thread may have polled the device and be about to make the call.
+        if !receiver.recv().unwrap_or(false) {
             return Err(map_error());
         }
         let view = slice.get_mapped_range().map_err(|_| map_error())?;

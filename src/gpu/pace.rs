@@ -56,9 +56,7 @@ impl Pace {
         };
         device.wait(&submission)?;
         let now = Instant::now();
-        let begun = self
-            .last_done
-            .map_or(submitted, |done| done.max(submitted));
+        let begun = self.last_done.map_or(submitted, |done| done.max(submitted));
         self.last_done = Some(now);
         self.adapt(now - begun, repetitions);
         Ok(())

@@ -14,8 +14,7 @@ fn backend(problem: &Problem, precision: Precision) -> GpuBackend {
 }
 
 fn after(problem: &Problem, options: GpuOptions, steps: u64) -> Vec<f64> {
-    let mut backend =
-        GpuBackend::with_options(problem, STEP, device(), options).expect("backend");
+    let mut backend = GpuBackend::with_options(problem, STEP, device(), options).expect("backend");
     backend.euler(STEP, steps).expect("steps");
     backend.read().expect("field").as_ref().to_vec()
 }
@@ -53,14 +52,20 @@ fn plain_euler(problem: &Problem, steps: usize) -> (Vec<f64>, f64) {
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn steps_with_held_particles_equal_plain_steps() {
     let mut problem = random_lattice(KernelKind::CubicSpline, 2, 9);
     problem.held = vec![3, 40, 41, 80];
-    for (precision, epsilon) in [(Precision::F32, f64::from(f32::EPSILON)), (Precision::F64, f64::EPSILON)] {
+    for (precision, epsilon) in [
+        (Precision::F32, f64::from(f32::EPSILON)),
+        (Precision::F64, f64::EPSILON),
+    ] {
         let mut backend = backend(&problem, precision);
         backend.euler(STEP, 25).expect("steps");
         let field = backend.read().expect("field");
@@ -85,7 +90,12 @@ fn steps_with_held_particles_equal_plain_steps() {
         let control = given.abs() * 5e-3;
         assert!(control > tolerance * volume || precision == Precision::F32);
         let rate = backend.rate().expect("rate");
-        assert!(problem.held.iter().all(|&h| rate.as_ref()[h as usize] == 0.0));
+        assert!(
+            problem
+                .held
+                .iter()
+                .all(|&h| rate.as_ref()[h as usize] == 0.0)
+        );
     }
 }
 
@@ -122,7 +132,10 @@ fn a_slice_that_no_binding_holds_is_an_error_with_its_size() {
         ..GpuOptions::new(Precision::F32)
     };
     let error = GpuBackend::with_options(&problem, STEP, device(), options).expect_err("too large");
-    assert!(error.to_string().contains("takes 128 in one piece"), "{error}");
+    assert!(
+        error.to_string().contains("takes 128 in one piece"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -131,7 +144,10 @@ fn save_and_restore_bring_the_state_back() {
     problem.held = vec![7];
     let mut backend = backend(&problem, Precision::F32);
     backend.euler(STEP, 3).expect("steps");
-    let (field, given) = (backend.read().expect("field"), backend.exchange().expect("exchange"));
+    let (field, given) = (
+        backend.read().expect("field"),
+        backend.exchange().expect("exchange"),
+    );
     backend.save().expect("save");
     backend.euler(STEP, 4).expect("steps");
     assert_ne!(backend.read().expect("field"), field);
@@ -148,7 +164,10 @@ fn a_value_that_is_not_finite_is_noticed() {
             assert!(backend(&problem, precision).is_finite().expect("check"));
             problem.initial[77] = value;
             let mut backend = backend(&problem, precision);
-            assert!(!backend.is_finite().expect("check"), "{value} {precision:?}");
+            assert!(
+                !backend.is_finite().expect("check"),
+                "{value} {precision:?}"
+            );
         }
     }
 }
@@ -187,7 +206,10 @@ fn coincident_particles_are_refused_where_the_kernel_diverges() {
     for positions in [same, round_the_edge] {
         let hat = scene(KernelKind::Hat, 2.0, domain, 1, positions.clone());
         let outcome = GpuBackend::new(&hat, STEP, device(), Precision::F32);
-        let refused = matches!(outcome, Err(SolverError::CoincidentParticles { a: 1, b: 3, .. }));
+        let refused = matches!(
+            outcome,
+            Err(SolverError::CoincidentParticles { a: 1, b: 3, .. })
+        );
         assert!(refused);
         let spline = scene(KernelKind::CubicSpline, 2.0, domain, 1, positions);
         GpuBackend::new(&spline, STEP, device(), Precision::F32).expect("finite weights");

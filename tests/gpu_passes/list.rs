@@ -60,7 +60,9 @@ fn steps(at: i64, cells: i64, periodic: bool) -> Vec<i64> {
         (true, 1) => vec![0],
         (true, 2) => vec![0, 1],
         (true, _) => vec![-1, 0, 1],
-        (false, _) => (-1..=1).filter(|s| (0..cells).contains(&(at + s))).collect(),
+        (false, _) => (-1..=1)
+            .filter(|s| (0..cells).contains(&(at + s)))
+            .collect(),
     }
 }
 
@@ -149,7 +151,12 @@ fn neighbors_equal_a_plain_search_in_the_same_order() {
         let expected = expected_neighbors(&problem, &grid_of(&problem));
         for precision in Precision::ALL {
             let found = found_neighbors(&problem, precision);
-            assert_eq!(first_difference(&found, &expected), None, "{:?}", problem.domain);
+            assert_eq!(
+                first_difference(&found, &expected),
+                None,
+                "{:?}",
+                problem.domain
+            );
         }
     }
 }
@@ -166,7 +173,10 @@ fn neighbors_of_many_particles_equal_a_plain_search() {
 fn the_plain_search_equals_brute_force() {
     for problem in scenes() {
         let count = problem.particles.len();
-        for (a, found) in expected_neighbors(&problem, &grid_of(&problem)).iter().enumerate() {
+        for (a, found) in expected_neighbors(&problem, &grid_of(&problem))
+            .iter()
+            .enumerate()
+        {
             let near: BTreeSet<u32> = (0..count as u32)
                 .filter(|&b| is_neighbor(&problem, a, b as usize))
                 .collect();

@@ -33,17 +33,30 @@ fn probe(choices: &Choices) -> Probed {
     let real = choices.real();
     let mut random = Random(3);
     // Distances first; as diffusivities the same numbers serve, with a second one beside.
-    let first_q = if choices.kernel == KernelKind::Hat { 1 } else { 0 };
+    let first_q = if choices.kernel == KernelKind::Hat {
+        1
+    } else {
+        0
+    };
     let exact: Vec<f64> = (first_q..1000)
-        .flat_map(|n| [f64::from(n) / 1000.0, 10_f64.powf(6.0 * random.unit() - 3.0)])
+        .flat_map(|n| {
+            [
+                f64::from(n) / 1000.0,
+                10_f64.powf(6.0 * random.unit() - 3.0),
+            ]
+        })
         .collect();
     let bytes = real.to_bytes(&exact);
     // Both sides see what the device sees.
     let rounded = real.from_bytes(&bytes);
     let arguments = device().storage_with("arguments", &bytes).expect("buffer");
     let count = rounded.len() / 2;
-    let shape = device().storage("shape", bytes.len() as u64).expect("buffer");
-    let mean = device().storage("mean", bytes.len() as u64 / 2).expect("buffer");
+    let shape = device()
+        .storage("shape", bytes.len() as u64)
+        .expect("buffer");
+    let mean = device()
+        .storage("mean", bytes.len() as u64 / 2)
+        .expect("buffer");
     let pass = device()
         .pass(&choices.probe(), &[&arguments, &shape, &mean], count as u64)
         .expect("pass");
@@ -97,7 +110,11 @@ fn pair_functions_equal_their_twins_and_the_check_notices_a_perturbation() {
         for kernel in KernelKind::ALL {
             for pair_mean in PairMean::ALL {
                 let choices = choices(kernel, pair_mean, precision);
-                assert_eq!(wrong_values(&choices, 0.0), 0, "{kernel:?} {pair_mean:?} {precision:?}");
+                assert_eq!(
+                    wrong_values(&choices, 0.0),
+                    0,
+                    "{kernel:?} {pair_mean:?} {precision:?}"
+                );
                 let large = match choices.real() {
                     Real::F32 => 1e-2,
                     Real::F64 => 1e-10,

@@ -42,7 +42,7 @@ fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) ->
     let epsilon = backend.choices().real().epsilon();
     let expected = brute_force(expected, epsilon);
     assert_eq!(rate.as_ref().len(), expected.len());
-    let wrong = |(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| !((got - sum).abs() <= tolerance);
+    let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| !((got - sum).abs() <= tolerance);
     rate.as_ref().iter().zip(&expected).filter(wrong).count()
 }
 
@@ -56,7 +56,10 @@ fn rates_equal_brute_force_in_every_kernel_and_dimension() {
                     let mut problem = random_lattice(kernel, dimension, side);
                     problem.pair_mean = pair_mean;
                     let wrong = wrong_rates(&problem, &problem, precision);
-                    assert_eq!(wrong, 0, "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}");
+                    assert_eq!(
+                        wrong, 0,
+                        "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}"
+                    );
                 }
             }
         }

@@ -108,7 +108,9 @@ pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) ->
     };
     let mut problem = scene(kind, 2.0 * spacing, domain, dimension, position);
     let volume = spacing.powi(dimension as i32);
-    problem.materials = (0..10).map(|_| material(1e-11 * 10_f64.powf(-3.0 * random.unit()))).collect();
+    problem.materials = (0..10)
+        .map(|_| material(1e-11 * 10_f64.powf(-3.0 * random.unit())))
+        .collect();
     for i in 0..problem.particles.len() {
         problem.particles.volume[i] = volume * (0.8 + 0.4 * random.unit());
         problem.particles.material[i] = (random.next() % 10) as u16;

@@ -44,7 +44,10 @@ fn find(problem: &Problem, resolution: f64) -> Option<(usize, usize)> {
     }
     sweep.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (n, &(x, a)) in sweep.iter().enumerate() {
-        for &(_, b) in sweep[n + 1..].iter().take_while(|&&(y, _)| y - x <= resolution) {
+        for &(_, b) in sweep[n + 1..]
+            .iter()
+            .take_while(|&&(y, _)| y - x <= resolution)
+        {
             let apart = domain.nearest_image(position[a] - position[b]);
             if a != b && apart.length() <= resolution {
                 return Some((a.min(b), a.max(b)));

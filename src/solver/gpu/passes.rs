@@ -118,9 +118,9 @@ impl Choices {
     }
 
     /// Sorts the particles of each cell by index.
-    pub fn order(&self) -> PassSource {
+    pub fn rank(&self) -> PassSource {
         self.on_grid(
-            "order",
+            "rank",
             &[],
             vec![
                 read("cell", Element::U32),
@@ -225,7 +225,7 @@ impl Choices {
             self.bin(),
             self.cell_count(),
             self.scatter(),
-            self.order(),
+            self.rank(),
             self.gather(),
             self.neighbor_count(),
             self.list(),
@@ -290,7 +290,10 @@ impl Choices {
                 ("PERIODIC_Z", Constant::Flag(periodic_z)),
                 ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
                 ("HELD_BIT", Constant::Count(HELD_BIT)),
-                ("CUTOFF_SQUARED", Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN)),
+                (
+                    "CUTOFF_SQUARED",
+                    Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN),
+                ),
                 ("LARGEST", Constant::Real(self.real().largest())),
             ],
             bindings,

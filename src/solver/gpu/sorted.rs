@@ -83,7 +83,7 @@ impl Sorted {
         let buffers = [grid, cell, start, taken, scattered];
         let scatter = device.pass(&choices.scatter(), &buffers, count)?;
         let buffers = [grid, cell, start, scattered, order];
-        let by_index = device.pass(&choices.order(), &buffers, count)?;
+        let by_index = device.pass(&choices.rank(), &buffers, count)?;
         let buffers = [grid, order, offset, cell, &self.offset, &self.cell];
         let gather = device.pass(&choices.gather(), &buffers, count)?;
         let passes = [&bin, &cell_count].into_iter().chain(scan.passes());
@@ -98,7 +98,9 @@ impl Sorted {
 
     /// The first row of each cell, and the number of rows: a diagnostic.
     pub fn cell_starts(&self, device: &Device) -> Result<Vec<u32>, GpuError> {
-        Ok(bytemuck::pod_collect_to_vec(&device.read(&self.cell_start)?))
+        Ok(bytemuck::pod_collect_to_vec(
+            &device.read(&self.cell_start)?,
+        ))
     }
 }
 

@@ -57,8 +57,10 @@ impl Steps {
             device.pass(&choices.rate(), &buffers, chunk.row_count())
         };
         let chunks = || list.chunks.iter();
-        let steps_from = |from| chunks().map(|c| step_of(c, from)).collect();
-        let rates_from = |from| chunks().map(|c| rate_of(c, from)).collect();
+        let steps_from =
+            |from| -> Result<Vec<_>, GpuError> { chunks().map(|c| step_of(c, from)).collect() };
+        let rates_from =
+            |from| -> Result<Vec<_>, GpuError> { chunks().map(|c| rate_of(c, from)).collect() };
         let count = initial.len() as u64;
         let finite_of = |from: usize| device.pass(&choices.finite(), &[&state[from], &flag], count);
         Ok(Self {

@@ -2,7 +2,7 @@
 // is the number of members with a smaller index.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn order(
+fn rank(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
@@ -13,9 +13,9 @@ fn order(
     }
     let particle = scattered[place];
     let id = cell[particle];
-    var rank = 0u;
+    var smaller = 0u;
     for (var other = cell_start[id]; other < cell_start[id + 1u]; other++) {
-        rank += u32(scattered[other] < particle);
+        smaller += u32(scattered[other] < particle);
     }
-    order[cell_start[id] + rank] = particle;
+    order[cell_start[id] + smaller] = particle;
 }
