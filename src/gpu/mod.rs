@@ -1,9 +1,25 @@
-//! A physics-free layer over wgpu.
+//! A physics-free layer over wgpu: adapters, a device, buffers, shader linking, passes as data and
+//! the exclusive prefix sum.
+//!
+//! Nothing here panics on what a machine may do: a missing adapter, a limit, a shader that the
+//! driver refuses or a lost device come back as a [`GpuError`] with the values that explain it.
 
-/// A failure of the device.
-#[derive(Debug, thiserror::Error)]
-pub enum GpuError {
-    /// Placeholder.
-    #[error("no adapter")]
-    NoAdapter,
-}
+mod adapter;
+mod buffer;
+mod device;
+mod error;
+mod link;
+mod pace;
+mod pass;
+mod real;
+mod scan;
+
+pub use adapter::{Adapter, AdapterReport, adapters, choose};
+pub use buffer::Buffer;
+pub use device::{Device, Submission};
+pub use error::GpuError;
+pub use link::{Binding, BlockLayout, Constant, Element, Holds, PassSource};
+pub use pace::Pace;
+pub use pass::Pass;
+pub use real::Real;
+pub use scan::{SCAN_BLOCK, Scan, scan_sources};

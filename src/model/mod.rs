@@ -1,5 +1,6 @@
 //! The physics in f64: no wgpu, no input or output.
 
+pub mod cells;
 pub mod field;
 pub mod integrator;
 pub mod interpolation;

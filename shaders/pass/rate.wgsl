@@ -1,0 +1,13 @@
+// The rate of change of the rows of a chunk, a reference step; 0 for held ones.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn rate(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let row = chunk.first_row + flat_index(group, groups, lane);
+    if row < chunk.end_row {
+        after[row] = select(row_sum(row), real(0.0), is_held(row));
+    }
+}

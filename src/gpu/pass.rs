@@ -1,0 +1,164 @@
+//! A pass: a pipeline, its buffers, and how many invocations it runs.
+
+use std::sync::Arc;
+
+use super::link::{Holds, PassSource};
+use super::{Buffer, Device, GpuError};
+
+/// A compiled shader with the layout of its buffers.
+#[derive(Debug)]
+pub(super) struct Pipeline {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// A pass that is ready to run.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    pipeline: Arc<Pipeline>,
+    buffers: wgpu::BindGroup,
+    workgroups: [u32; 2],
+}
+
+impl Pass {
+    pub(super) fn record(&self, compute: &mut wgpu::ComputePass<'_>) {
+        let [x, y] = self.workgroups;
+        if x > 0 {
+            compute.set_pipeline(&self.pipeline.pipeline);
+            compute.set_bind_group(0, &self.buffers, &[]);
+            compute.dispatch_workgroups(x, y, 1);
+        }
+    }
+}
+
+impl Device {
+    /// The pass of `source` on `buffers` (in the order of its bindings), with at least `threads`
+    /// invocations: shaders leave the rest of the last workgroups idle.
+    pub fn pass(
+        &self,
+        source: &PassSource,
+        buffers: &[&Buffer],
+        threads: u64,
+    ) -> Result<Pass, GpuError> {
+        if buffers.len() != source.bindings.len() {
+            return Err(GpuError::BufferCount {
+                pass: source.pass.to_owned(),
+                declared: source.bindings.len(),
+                given: buffers.len(),
+            });
+        }
+        let pipeline = self.pipeline(source)?;
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.inner.as_entire_binding(),
+            })
+            .collect();
+        let buffers = self.scoped(source.pass, 0, || {
+            self.raw().create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(source.pass),
+                layout: &pipeline.layout,
+                entries: &entries,
+            })
+        })?;
+        let workgroups = threads.div_ceil(u64::from(source.workgroup_size));
+        let most = self.raw().limits().max_compute_workgroups_per_dimension;
+        Ok(Pass {
+            pipeline,
+            buffers,
+            workgroups: fold(workgroups, most),
+        })
+    }
+
+    /// The pipeline of `source`, compiled once a source.
+    fn pipeline(&self, source: &PassSource) -> Result<Arc<Pipeline>, GpuError> {
+        self.require(source.real)?;
+        let text = source.link()?;
+        if let Some(pipeline) = self.pipelines().get(&text) {
+            return Ok(Arc::clone(pipeline));
+        }
+        let pipeline = Arc::new(self.scoped(source.pass, 0, || self.compile(source, &text))?);
+        self.pipelines().insert(text, Arc::clone(&pipeline));
+        Ok(pipeline)
+    }
+
+    fn compile(&self, source: &PassSource, text: &str) -> Pipeline {
+        let label = Some(source.pass);
+        let entries: Vec<_> = (0..)
+            .zip(&source.bindings)
+            .map(|(number, binding)| layout_entry(number, binding.holds))
+            .collect();
+        let layout = self
+            .raw()
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label,
+                entries: &entries,
+            });
+        let pipeline_layout = self
+            .raw()
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label,
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+        let module = self
+            .raw()
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label,
+                source: wgpu::ShaderSource::Wgsl(text.into()),
+            });
+        let pipeline = self
+            .raw()
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label,
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: None,
+                compilation_options: Default::default(),
+                cache: None,
+            });
+        Pipeline { pipeline, layout }
+    }
+}
+
+fn layout_entry(binding: u32, holds: Holds) -> wgpu::BindGroupLayoutEntry {
+    let ty = match holds {
+        Holds::Block(_) => wgpu::BufferBindingType::Uniform,
+        Holds::Read(_) => wgpu::BufferBindingType::Storage { read_only: true },
+        Holds::Write(_) => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+/// Workgroups along x and y: at least `workgroups` in all, and at most `most` along each. Shaders
+/// flatten them again (`shaders/index.wgsl`).
+fn fold(workgroups: u64, most: u32) -> [u32; 2] {
+    let rows = workgroups.div_ceil(u64::from(most)).max(1);
+    let columns = workgroups.div_ceil(rows);
+    // Buffers are bounded far below most * most workgroups, so neither count is cut here.
+    [columns, rows].map(|count| u32::try_from(count).unwrap_or(most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fold;
+
+    #[test]
+    fn folded_workgroups_cover_all_and_stay_within_the_limit() {
+        for workgroups in [0, 1, 2, 65_535, 65_536, 65_537, 200_003, 16_777_216] {
+            let [x, y] = fold(workgroups, 65_535).map(u64::from);
+            assert!(x <= 65_535 && y <= 65_535);
+            assert!(x * y >= workgroups && x * y < workgroups + y);
+        }
+    }
+}

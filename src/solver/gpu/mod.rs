@@ -1,0 +1,289 @@
+//! The GPU backend: the neighbour list is built on the device once, with its weights; a step is
+//! one pass over it.
+//!
+//! State lives in sorted order on the device; the problem's order is restored on reading back.
+
+mod coincident;
+mod list;
+pub mod passes;
+mod scaling;
+mod sorted;
+mod steps;
+
+use std::collections::BTreeSet;
+
+use super::{Backend, Precision, SolverError};
+use crate::gpu::{Buffer, Device, GpuError};
+use crate::model::Problem;
+use crate::model::cells::CellGrid;
+
+use list::List;
+pub use passes::Choices;
+use scaling::Scaling;
+pub use sorted::Sorted;
+use steps::Steps;
+
+/// How a scene is put on a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GpuOptions {
+    /// The precision.
+    pub precision: Precision,
+    /// Invocations a workgroup.
+    pub workgroup_size: u32,
+    /// Bytes that a buffer of the neighbour list may take, if fewer than the device allows.
+    pub list_chunk_bytes: Option<u64>,
+}
+
+impl GpuOptions {
+    /// The usual way, in this precision.
+    pub fn new(precision: Precision) -> Self {
+        Self {
+            precision,
+            workgroup_size: passes::WORKGROUP_SIZE,
+            list_chunk_bytes: None,
+        }
+    }
+}
+
+/// Values as read back from the device, in the problem's order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GpuField(Vec<f64>);
+
+impl AsRef<[f64]> for GpuField {
+    fn as_ref(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+/// A scene on a device.
+#[derive(Debug)]
+pub struct GpuBackend {
+    device: Device,
+    choices: Choices,
+    /// Which particle is in each row.
+    order: Vec<u32>,
+    /// Row and volume of each held particle.
+    held: Vec<(u32, f64)>,
+    list: List,
+    steps: Steps,
+    /// Reference step, s.
+    reference_step: f64,
+    saved: Option<Saved>,
+}
+
+/// A copy of the state.
+#[derive(Debug)]
+struct Saved {
+    state: Buffer,
+    exchange: Option<Buffer>,
+}
+
+impl GpuBackend {
+    /// Puts `problem` on `device`; `dt` (s) is the step that the run is expected to take, though
+    /// any may be taken.
+    pub fn new(
+        problem: &Problem,
+        dt: f64,
+        device: &Device,
+        precision: Precision,
+    ) -> Result<Self, SolverError> {
+        Self::with_options(problem, dt, device, GpuOptions::new(precision))
+    }
+
+    /// As [`GpuBackend::new`], with every option.
+    pub fn with_options(
+        problem: &Problem,
+        dt: f64,
+        device: &Device,
+        options: GpuOptions,
+    ) -> Result<Self, SolverError> {
+        let scaling = Scaling::new(problem, dt);
+        let choices = choices(problem, &scaling, options);
+        device.require(choices.real())?;
+        let particles = &problem.particles;
+        let cells = CellGrid::new(&problem.domain, &problem.kernel, particles.len());
+        coincident::check(problem, &cells, choices.real())?;
+        let support_radius = problem.kernel.support_radius();
+        let sorted = Sorted::new(
+            device,
+            &choices,
+            &cells,
+            &particles.position,
+            support_radius,
+            scaling.weight,
+        )?;
+        let order = sorted.order().to_vec();
+        let held = held_rows(problem, &order);
+        let rows: Vec<u32> = held.iter().map(|&(row, _)| row).collect();
+        let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
+        let most = device.max_binding_bytes();
+        let chunk_bytes = options
+            .list_chunk_bytes
+            .map_or(most, |bytes| bytes.min(most));
+        let list = List::new(
+            device,
+            &choices,
+            &sorted,
+            &rows,
+            table.as_ref(),
+            chunk_bytes,
+        )?;
+        let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
+        Ok(Self {
+            steps: Steps::new(device, &choices, &list, &initial)?,
+            device: device.clone(),
+            choices,
+            order,
+            held,
+            list,
+            reference_step: scaling.step,
+            saved: None,
+        })
+    }
+
+    /// What of the shaders this scene uses.
+    pub fn choices(&self) -> &Choices {
+        &self.choices
+    }
+
+    /// How many chunks the neighbour list has: a diagnostic.
+    pub fn chunk_count(&self) -> usize {
+        self.list.chunks.len()
+    }
+
+    /// The neighbours of each particle in stored order, with the weight a reference step, which is
+    /// the step given to [`GpuBackend::new`]: a diagnostic.
+    pub fn neighbors(&self) -> Result<Vec<Vec<(u32, f64)>>, SolverError> {
+        let rows = self.list.read(&self.device, &self.choices)?;
+        let mut neighbors = vec![Vec::new(); rows.len()];
+        for (&particle, row) in self.order.iter().zip(rows) {
+            let of_particle = row.into_iter().map(|(b, w)| (self.order[b as usize], w));
+            neighbors[particle as usize] = of_particle.collect();
+        }
+        Ok(neighbors)
+    }
+
+    /// Reads values in sorted order and puts them into the problem's, times `factor`.
+    fn field(&self, buffer: &Buffer, factor: f64) -> Result<GpuField, SolverError> {
+        let sorted = self.choices.real().from_bytes(&self.device.read(buffer)?);
+        let mut values = vec![0.0; sorted.len()];
+        for (&particle, value) in self.order.iter().zip(sorted) {
+            values[particle as usize] = factor * value;
+        }
+        Ok(GpuField(values))
+    }
+}
+
+impl Backend for GpuBackend {
+    type Field = GpuField;
+
+    fn euler(&mut self, dt: f64, count: u64) -> Result<(), SolverError> {
+        let over_reference = dt / self.reference_step;
+        Ok(self.steps.run(&self.device, over_reference, count)?)
+    }
+
+    fn read(&mut self) -> Result<GpuField, SolverError> {
+        self.field(self.steps.state(), 1.0)
+    }
+
+    fn rate(&mut self) -> Result<GpuField, SolverError> {
+        let rate = self.steps.rate(&self.device)?;
+        self.field(rate, 1.0 / self.reference_step)
+    }
+
+    fn exchange(&mut self) -> Result<f64, SolverError> {
+        let Some(buffer) = self.steps.exchange() else {
+            return Ok(0.0);
+        };
+        let given = self.choices.real().from_bytes(&self.device.read(buffer)?);
+        let amount = |&(row, volume): &(u32, f64)| volume * given[row as usize];
+        Ok(self.held.iter().map(amount).sum())
+    }
+
+    fn is_finite(&mut self) -> Result<bool, SolverError> {
+        Ok(self.steps.is_finite(&self.device)?)
+    }
+
+    fn save(&mut self) -> Result<(), SolverError> {
+        if self.saved.is_none() {
+            let twin = |buffer: &Buffer| self.device.storage("saved state", buffer.bytes());
+            self.saved = Some(Saved {
+                state: twin(self.steps.state())?,
+                exchange: self.steps.exchange().map(twin).transpose()?,
+            });
+        }
+        Ok(self.copy_saved(|here, saved| (here, saved))?)
+    }
+
+    fn restore(&mut self) -> Result<(), SolverError> {
+        Ok(self.copy_saved(|here, saved| (saved, here))?)
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        let saved = self.saved.as_ref().map_or(0, |saved| {
+            saved.state.bytes() + saved.exchange.as_ref().map_or(0, Buffer::bytes)
+        });
+        self.list.bytes() + self.steps.bytes() + saved
+    }
+}
+
+impl GpuBackend {
+    /// Copies between the state and what is saved, from the first of `direction` to its second;
+    /// nothing where nothing is saved.
+    fn copy_saved(
+        &self,
+        direction: for<'a> fn(&'a Buffer, &'a Buffer) -> (&'a Buffer, &'a Buffer),
+    ) -> Result<(), GpuError> {
+        let Some(saved) = &self.saved else {
+            return Ok(());
+        };
+        let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
+        let mut pairs = vec![direction(self.steps.state(), &saved.state)];
+        pairs.extend(exchange.map(|(here, there)| direction(here, there)));
+        self.device.copy(&pairs)
+    }
+}
+
+/// What of the shaders a scene uses.
+fn choices(problem: &Problem, scaling: &Scaling, options: GpuOptions) -> Choices {
+    let mut periodic = problem.domain.periodic;
+    // Axes past the dimension have no extent, whatever the case says of them.
+    periodic[problem.dimension..].fill(false);
+    Choices {
+        kernel: problem.kernel.kind(),
+        pair_mean: problem.pair_mean,
+        dimension: problem.dimension,
+        periodic,
+        held: !problem.held.is_empty(),
+        uniform: scaling.ratios.is_none(),
+        precision: options.precision,
+        workgroup_size: options.workgroup_size,
+    }
+}
+
+/// Row and volume of each held particle.
+fn held_rows(problem: &Problem, order: &[u32]) -> Vec<(u32, f64)> {
+    let held: BTreeSet<u32> = problem.held.iter().copied().collect();
+    let rows = (0..)
+        .zip(order)
+        .filter(|(_, particle)| held.contains(particle));
+    rows.map(|(row, &p)| (row, problem.particles.volume[p as usize]))
+        .collect()
+}
+
+/// The table of volume and diffusivity ratios in sorted order, where the scene needs one.
+fn coefficient_table(
+    device: &Device,
+    choices: &Choices,
+    order: &[u32],
+    ratios: Option<&[[f64; 2]]>,
+) -> Result<Option<Buffer>, GpuError> {
+    let Some(ratios) = ratios else {
+        return Ok(None);
+    };
+    let sorted: Vec<f64> = order.iter().flat_map(|&p| ratios[p as usize]).collect();
+    let bytes = choices.real().to_bytes(&sorted);
+    Ok(Some(
+        device.storage_with("volumes and diffusivities", &bytes)?,
+    ))
+}

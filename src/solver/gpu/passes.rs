@@ -1,0 +1,303 @@
+//! The passes of a scene: which shader files, constants and buffers make each.
+
+use crate::gpu::{Binding, BlockLayout, Constant, Element, Holds, PassSource, Real};
+use crate::model::kernel::SUPPORT_MARGIN;
+use crate::model::{KernelKind, PairMean};
+use crate::solver::Precision;
+
+/// Rows of a slice of the neighbour list: the invocations that most GPUs run in step.
+pub const SLICE_ROWS: u32 = 32;
+
+/// The bit of a row's length that marks a held particle.
+pub const HELD_BIT: u32 = 1 << 31;
+
+/// Invocations a workgroup: within the least that WebGPU guarantees. See [`super::GpuOptions`].
+pub const WORKGROUP_SIZE: u32 = 64;
+
+/// The grid of cells and what the weights are scaled by.
+pub static GRID: BlockLayout = BlockLayout {
+    name: "Grid",
+    counts: &["cells_x", "cells_y", "cells_z", "particles"],
+    reals: &[
+        "cell_over_support_x",
+        "cell_over_support_y",
+        "cell_over_support_z",
+        "weight_scale",
+    ],
+};
+
+/// The rows of a chunk of the neighbour list.
+pub static CHUNK: BlockLayout = BlockLayout {
+    name: "Chunk",
+    counts: &["first_row", "end_row"],
+    reals: &[],
+};
+
+/// The step over the reference step.
+pub static STEP_SIZE: BlockLayout = BlockLayout {
+    name: "StepSize",
+    counts: &[],
+    reals: &["over_reference"],
+};
+
+/// What a scene needs of the shaders: nothing else is compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choices {
+    /// The kernel.
+    pub kernel: KernelKind,
+    /// How the diffusivities of a pair are joined.
+    pub pair_mean: PairMean,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Which axes are periodic.
+    pub periodic: [bool; 3],
+    /// Whether some particles keep their value.
+    pub held: bool,
+    /// Whether all particles share one volume and one diffusivity.
+    pub uniform: bool,
+    /// The precision.
+    pub precision: Precision,
+    /// Invocations a workgroup.
+    pub workgroup_size: u32,
+}
+
+const fn block(name: &'static str, layout: &'static BlockLayout) -> Binding {
+    Binding::new(name, Holds::Block(layout))
+}
+
+const fn read(name: &'static str, element: Element) -> Binding {
+    Binding::new(name, Holds::Read(element))
+}
+
+const fn write(name: &'static str, element: Element) -> Binding {
+    Binding::new(name, Holds::Write(element))
+}
+
+impl Choices {
+    /// What `real` means in the shaders.
+    pub fn real(&self) -> Real {
+        match self.precision {
+            Precision::F32 => Real::F32,
+            Precision::F64 => Real::F64,
+        }
+    }
+
+    /// Puts every particle into the cell where its offset points.
+    pub fn bin(&self) -> PassSource {
+        self.on_grid(
+            "bin",
+            &["grid", self.domain()],
+            vec![write("offset", Element::Real), write("cell", Element::U32)],
+        )
+    }
+
+    /// Counts the particles of each cell.
+    pub fn cell_count(&self) -> PassSource {
+        self.on_grid(
+            "cell_count",
+            &[],
+            vec![
+                read("cell", Element::U32),
+                write("count", Element::AtomicU32),
+            ],
+        )
+    }
+
+    /// Puts the particles of each cell side by side.
+    pub fn scatter(&self) -> PassSource {
+        self.on_grid(
+            "scatter",
+            &[],
+            vec![
+                read("cell", Element::U32),
+                read("cell_start", Element::U32),
+                write("taken", Element::AtomicU32),
+                write("scattered", Element::U32),
+            ],
+        )
+    }
+
+    /// Sorts the particles of each cell by index.
+    pub fn rank(&self) -> PassSource {
+        self.on_grid(
+            "rank",
+            &[],
+            vec![
+                read("cell", Element::U32),
+                read("cell_start", Element::U32),
+                read("scattered", Element::U32),
+                write("order", Element::U32),
+            ],
+        )
+    }
+
+    /// Copies offsets and cells into sorted order.
+    pub fn gather(&self) -> PassSource {
+        self.on_grid(
+            "gather",
+            &[],
+            vec![
+                read("order", Element::U32),
+                read("offset", Element::Real),
+                read("cell", Element::U32),
+                write("sorted_offset", Element::Real),
+                write("sorted_cell", Element::U32),
+            ],
+        )
+    }
+
+    /// Counts the neighbours of each row.
+    pub fn neighbor_count(&self) -> PassSource {
+        self.on_grid(
+            "neighbor_count",
+            &["grid", self.domain(), "search"],
+            vec![
+                read("offset", Element::Real),
+                read("cell", Element::U32),
+                read("cell_start", Element::U32),
+                write("row_length", Element::U32),
+            ],
+        )
+    }
+
+    /// Writes the neighbours of each row of a chunk with their weights.
+    pub fn list(&self) -> PassSource {
+        let mut bindings = vec![
+            block("chunk", &CHUNK),
+            read("offset", Element::Real),
+            read("cell", Element::U32),
+            read("cell_start", Element::U32),
+            read("slice_start", Element::U32),
+            write("neighbor", Element::U32),
+            write("weight", Element::Real),
+        ];
+        let material = if self.uniform {
+            "material/uniform"
+        } else {
+            bindings.push(read("coefficient", Element::Real2));
+            "material/table"
+        };
+        let [kernel, mean] = self.pair_functions();
+        let shared = ["grid", self.domain(), "search"];
+        self.on_grid(
+            "list",
+            &[&shared[..], &[material, &kernel, &mean]].concat(),
+            bindings,
+        )
+    }
+
+    /// One explicit Euler step of the rows of a chunk.
+    pub fn step(&self) -> PassSource {
+        let mut source = self.on_list("step");
+        source.bindings.push(block("step_size", &STEP_SIZE));
+        source
+    }
+
+    /// The rate of change of the rows of a chunk.
+    pub fn rate(&self) -> PassSource {
+        self.on_list("rate")
+    }
+
+    /// Raises a flag if a value is not finite.
+    pub fn finite(&self) -> PassSource {
+        let slot = format!("precision/{}", self.precision.name());
+        let bindings = vec![
+            read("state", Element::Real),
+            write("flag", Element::AtomicU32),
+        ];
+        self.source("finite", &[&slot], bindings)
+    }
+
+    /// Evaluates the pair functions at given arguments: a diagnostic.
+    pub fn probe(&self) -> PassSource {
+        let bindings = vec![
+            read("arguments", Element::Real2),
+            write("shape", Element::Real2),
+            write("mean", Element::Real),
+        ];
+        let [kernel, mean] = self.pair_functions();
+        self.source("probe", &[&kernel, &mean], bindings)
+    }
+
+    /// Every pass that these choices may name.
+    pub fn all(&self) -> Vec<PassSource> {
+        vec![
+            self.bin(),
+            self.cell_count(),
+            self.scatter(),
+            self.rank(),
+            self.gather(),
+            self.neighbor_count(),
+            self.list(),
+            self.step(),
+            self.rate(),
+            self.finite(),
+            self.probe(),
+        ]
+    }
+
+    fn domain(&self) -> &'static str {
+        if self.periodic.contains(&true) {
+            "domain/periodic"
+        } else {
+            "domain/open"
+        }
+    }
+
+    fn pair_functions(&self) -> [String; 2] {
+        [
+            format!("kernel/{}", self.kernel.name()),
+            format!("operator/{}", self.pair_mean.name()),
+        ]
+    }
+
+    fn on_grid(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
+        let mut source = self.source(pass, slots, vec![block("grid", &GRID)]);
+        source.bindings.extend(bindings);
+        source
+    }
+
+    /// The passes that go through the list share their buffers.
+    fn on_list(&self, pass: &'static str) -> PassSource {
+        let mut bindings = vec![
+            block("chunk", &CHUNK),
+            read("row_length", Element::U32),
+            read("slice_start", Element::U32),
+            read("neighbor", Element::U32),
+            read("weight", Element::Real),
+            read("before", Element::Real),
+            write("after", Element::Real),
+        ];
+        let held = if self.held {
+            bindings.push(write("exchange", Element::Real));
+            "domain/some_held"
+        } else {
+            "domain/all_free"
+        };
+        self.source(pass, &[held, "row_sum"], bindings)
+    }
+
+    fn source(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
+        let [periodic_x, periodic_y, periodic_z] = self.periodic;
+        PassSource {
+            pass,
+            real: self.real(),
+            workgroup_size: self.workgroup_size,
+            constants: vec![
+                ("DIMENSION", Constant::Count(self.dimension as u32)),
+                ("PERIODIC_X", Constant::Flag(periodic_x)),
+                ("PERIODIC_Y", Constant::Flag(periodic_y)),
+                ("PERIODIC_Z", Constant::Flag(periodic_z)),
+                ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
+                ("HELD_BIT", Constant::Count(HELD_BIT)),
+                (
+                    "CUTOFF_SQUARED",
+                    Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN),
+                ),
+                ("LARGEST", Constant::Real(self.real().largest())),
+            ],
+            bindings,
+            slots: slots.iter().map(|&slot| slot.to_owned()).collect(),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Passes on a device against plain Rust. A missing adapter fails these tests; a software one will
+//! do.
+
+mod backend;
+mod list;
+mod probe;
+mod rate;
+mod scan;
+mod support;

@@ -1,0 +1,93 @@
+use diffusph::model::operator::PairWeight;
+use diffusph::model::{KernelKind, PairMean, Problem};
+use diffusph::solver::gpu::GpuBackend;
+use diffusph::solver::{Backend, Precision};
+
+use crate::support::{device, random_lattice};
+
+/// Roundings of a term at most, each worth one epsilon of the term: pair mean 6, volume and scale
+/// 2, field difference 1, and 16 of the kernel, which rounding of the offsets moves as well.
+const ROUNDINGS_OF_A_TERM: f64 = 32.0;
+
+/// The rate of every particle in f64, and the tolerance of its sum.
+fn brute_force(problem: &Problem, epsilon: f64) -> Vec<(f64, f64)> {
+    let weight = PairWeight::new(problem);
+    let position = &problem.particles.position;
+    let count = position.len();
+    let of = |a: usize| {
+        let (mut sum, mut terms, mut neighbors) = (0.0, 0.0, 0);
+        for b in (0..count).filter(|&b| b != a) {
+            let dist = problem
+                .domain
+                .nearest_image(position[a] - position[b])
+                .length();
+            if dist < problem.kernel.cutoff() {
+                let term = weight.of(a, b, dist) * (problem.initial[b] - problem.initial[a]);
+                sum += term;
+                // The fields themselves are rounded to the precision of the device.
+                terms += term.abs() + weight.of(a, b, dist) * problem.initial[a].abs();
+                neighbors += 1;
+            }
+        }
+        let roundings = ROUNDINGS_OF_A_TERM + f64::from(neighbors);
+        (sum, roundings * epsilon * terms)
+    };
+    (0..count).map(of).collect()
+}
+
+/// How many rates are off by more than roundings explain.
+fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {
+    let mut backend = GpuBackend::new(on_device, 1e-3, device(), precision).expect("backend");
+    let rate = backend.rate().expect("rate");
+    let epsilon = backend.choices().real().epsilon();
+    let expected = brute_force(expected, epsilon);
+    assert_eq!(rate.as_ref().len(), expected.len());
+    let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| !((got - sum).abs() <= tolerance);
+    rate.as_ref().iter().zip(&expected).filter(wrong).count()
+}
+
+#[test]
+fn rates_equal_brute_force_in_every_kernel_and_dimension() {
+    for kernel in KernelKind::ALL {
+        for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+            for pair_mean in PairMean::ALL {
+                for precision in Precision::ALL {
+                    let side = [33, 9, 6][dimension - 1];
+                    let mut problem = random_lattice(kernel, dimension, side);
+                    problem.pair_mean = pair_mean;
+                    let wrong = wrong_rates(&problem, &problem, precision);
+                    assert_eq!(
+                        wrong, 0,
+                        "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn uniform_scenes_take_the_shorter_path_to_the_same_rates() {
+    for precision in Precision::ALL {
+        let mut problem = random_lattice(KernelKind::CubicSpline, 3, 6);
+        problem.particles.material.fill(0);
+        problem.particles.volume.fill(1e-18);
+        let backend = GpuBackend::new(&problem, 1e-3, device(), precision).expect("backend");
+        assert!(backend.choices().uniform);
+        assert_eq!(wrong_rates(&problem, &problem, precision), 0);
+    }
+}
+
+#[test]
+fn the_check_notices_one_volume_one_neighbor_and_one_value() {
+    let problem = random_lattice(KernelKind::WendlandC4, 2, 9);
+    let mut volume = problem.clone();
+    volume.particles.volume[40] *= 1.01;
+    let mut neighbor = problem.clone();
+    neighbor.particles.position[40].x += 0.05 * neighbor.spacing;
+    let mut value = problem.clone();
+    value.initial[40] += 0.1;
+    for wrong in [volume, neighbor, value] {
+        assert!(wrong_rates(&problem, &wrong, Precision::F32) > 0);
+    }
+}

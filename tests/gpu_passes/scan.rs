@@ -1,0 +1,53 @@
+use diffusph::gpu::{SCAN_BLOCK, Scan};
+
+use crate::support::{Random, device, first_difference};
+
+fn exclusive_sums(values: &[u32]) -> Vec<u32> {
+    let mut sum = 0_u32;
+    let mut before = |&value: &u32| {
+        let sums = sum;
+        sum = sum.wrapping_add(value);
+        sums
+    };
+    values.iter().map(&mut before).collect()
+}
+
+fn scanned(values: &[u32]) -> Vec<u32> {
+    let buffer = device()
+        .storage_with("values", bytemuck::cast_slice(values))
+        .expect("buffer");
+    let scan = Scan::new(device(), &buffer).expect("scan");
+    device().submit(scan.passes()).expect("submission");
+    bytemuck::pod_collect_to_vec(&device().read(&buffer).expect("values"))
+}
+
+#[test]
+fn scan_equals_running_sums_over_several_levels() {
+    let block = SCAN_BLOCK as usize;
+    let mut random = Random(1);
+    for count in [
+        0,
+        1,
+        2,
+        63,
+        block - 1,
+        block,
+        block + 1,
+        100_000,
+        block * block + 5,
+    ] {
+        let values: Vec<u32> = (0..count).map(|_| (random.next() % 1000) as u32).collect();
+        let expected = exclusive_sums(&values);
+        let sums = scanned(&values);
+        assert_eq!(first_difference(&sums, &expected), None, "{count} values");
+    }
+}
+
+#[test]
+fn scan_check_notices_one_wrong_value() {
+    let values = vec![1; 5000];
+    let mut wrong = values.clone();
+    wrong[3333] = 2;
+    let difference = first_difference(&scanned(&wrong), &exclusive_sums(&values));
+    assert_eq!(difference, Some(3334));
+}

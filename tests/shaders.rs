@@ -1,0 +1,169 @@
+//! Every combination of shader files is valid, checked without an adapter.
+
+use std::collections::BTreeSet;
+
+use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
+use diffusph::model::{KernelKind, PairMean};
+use diffusph::solver::Precision;
+use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
+
+/// What GLSL.std.450 offers in f64 as well: not exp, log, pow and the trigonometric functions, which
+/// naga accepts all the same.
+const IN_F64: [MathFunction; 6] = [
+    MathFunction::Abs,
+    MathFunction::Min,
+    MathFunction::Max,
+    MathFunction::Floor,
+    MathFunction::Round,
+    MathFunction::Sqrt,
+];
+
+/// Checks a source up to its SPIR-V.
+fn check(source: &str) -> Result<(), String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64);
+    let info = validator
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(source))?;
+    let named = module
+        .functions
+        .iter()
+        .map(|(handle, f)| (f, &info[handle]));
+    let entry = module.entry_points.iter().enumerate();
+    let entries = entry.map(|(i, e)| (&e.function, info.get_entry_point(i)));
+    for (function, of_function) in named.chain(entries) {
+        for (handle, expression) in function.expressions.iter() {
+            let Expression::Math { fun, arg, .. } = *expression else {
+                continue;
+            };
+            let inner = of_function[arg].ty.inner_with(&module.types);
+            if is_f64(inner) && !IN_F64.contains(&fun) {
+                return Err(format!("{fun:?} of f64 in expression {handle:?}"));
+            }
+        }
+    }
+    let options = naga::back::spv::Options::default();
+    naga::back::spv::write_vec(&module, &info, &options, None).map_err(|e| e.to_string())?;
+    Ok(())
+}
+
+fn is_f64(inner: &TypeInner) -> bool {
+    let scalar = match *inner {
+        TypeInner::Scalar(scalar) | TypeInner::Vector { scalar, .. } => scalar,
+        _ => return false,
+    };
+    scalar.kind == ScalarKind::Float && scalar.width == 8
+}
+
+/// Every combination of choices that a scene can make.
+fn combinations() -> Vec<Choices> {
+    let mut all = Vec::new();
+    for kernel in KernelKind::ALL {
+        for pair_mean in PairMean::ALL {
+            for precision in Precision::ALL {
+                for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+                    for bits in 0..(4 << dimension) {
+                        let bit = |n: usize| bits >> n & 1 == 1;
+                        all.push(Choices {
+                            kernel,
+                            pair_mean,
+                            dimension,
+                            periodic: [0, 1, 2].map(|axis| axis < dimension && bit(2 + axis)),
+                            held: bit(0),
+                            uniform: bit(1),
+                            precision,
+                            workgroup_size: 64,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+fn a_choice(precision: Precision) -> Choices {
+    let mut all = combinations().into_iter();
+    all.find(|choices| choices.precision == precision)
+        .expect("both precisions are among them")
+}
+
+#[test]
+fn every_combination_is_valid() {
+    let mut seen = BTreeSet::new();
+    let passes = combinations().into_iter().flat_map(|choices| choices.all());
+    for source in passes.chain(scan_sources()) {
+        let text = source.link().expect("every file exists");
+        if seen.insert(text.clone())
+            && let Err(message) = check(&text)
+        {
+            panic!("{}: {message}", source.pass);
+        }
+    }
+    assert!(seen.len() > 500, "{} sources", seen.len());
+}
+
+#[test]
+fn a_broken_slot_is_noticed() {
+    for precision in Precision::ALL {
+        let list = a_choice(precision)
+            .list()
+            .link()
+            .expect("every file exists");
+        check(&list).expect("valid as it is");
+        let signature = "fn kernel_shape_dw_over_r(q: real)";
+        assert!(list.contains(signature));
+        let wrong_name = list.replace(signature, "fn kernel_shape_dw(q: real)");
+        let wrong_type = list.replace(signature, "fn kernel_shape_dw_over_r(q: vec2<real>)");
+        assert!(check(&wrong_name).is_err() && check(&wrong_type).is_err());
+        // SPIR-V has no exponential in f64.
+        let exponential = list.replace("sqrt(q_squared)", "exp(q_squared)");
+        assert_ne!(exponential, list);
+        assert_eq!(check(&exponential).is_err(), precision == Precision::F64);
+    }
+    let mut missing: PassSource = a_choice(Precision::F32).step();
+    missing.slots.push("domain/nowhere".to_owned());
+    let error = missing.link().expect_err("no such file");
+    assert!(error.to_string().contains("domain/nowhere.wgsl"));
+}
+
+/// Offsets of the members and the size, as naga lays the block out.
+fn laid_out(layout: &BlockLayout, real: Real) -> (Vec<u32>, u32) {
+    let source = format!("alias real = {};\n{}", real.name(), layout.declaration());
+    let module: Module = naga::front::wgsl::parse_str(&source).expect("a struct");
+    let found = module.types.iter().find_map(|(_, of)| match &of.inner {
+        TypeInner::Struct { members, span, .. } => {
+            Some((members.iter().map(|m| m.offset).collect(), *span))
+        }
+        _ => None,
+    });
+    found.expect("the struct is there")
+}
+
+#[test]
+fn parameter_blocks_are_laid_out_as_the_shaders_read_them() {
+    let odd = BlockLayout {
+        name: "Odd",
+        counts: &["one", "two", "three"],
+        reals: &["four"],
+    };
+    for layout in [&GRID, &CHUNK, &STEP_SIZE, &odd] {
+        for real in Real::ALL {
+            let (offsets, size) = laid_out(layout, real);
+            let counts = (0..layout.counts.len()).map(|i| 4 * i);
+            let reals =
+                (0..layout.reals.len()).map(|i| layout.reals_offset(real) + i * real.size());
+            let expected: Vec<u32> = counts.chain(reals).map(|offset| offset as u32).collect();
+            assert_eq!(offsets, expected, "{} in {}", layout.name, real.name());
+            assert_eq!(size as usize, layout.size(real));
+        }
+    }
+    // The odd block has a gap in f64 and none in f32, or this checks nothing.
+    let gap = |real| odd.reals_offset(real) - 12;
+    assert_eq!((gap(Real::F32), gap(Real::F64)), (0, 4));
+    let bytes = odd.contents(Real::F64, [1, 2, 3], [4.0]);
+    assert_eq!(bytes.len(), 24);
+    assert_eq!(bytes[16..], 4.0_f64.to_ne_bytes());
+}
