@@ -29,7 +29,7 @@ use crate::model::Problem;
 pub use error::CaseError;
 pub use overrides::Override;
 pub use schema::schema;
-pub use shipped::shipped;
+pub use shipped::{shipped, shipped_text};
 
 /// A case ready to run.
 #[derive(Clone, Debug)]
@@ -74,12 +74,7 @@ pub fn load(source: &str, overrides: &[Override]) -> Result<Scene, CaseError> {
             return from_text(source, text, overrides);
         }
         if !Path::new(source).is_file() {
-            let names: Vec<String> = shipped().into_iter().map(|(name, _)| name).collect();
-            let nearest = error::nearest(source, &names, 3);
-            return Err(CaseError::NotFound {
-                text: source.to_owned(),
-                nearest,
-            });
+            return Err(shipped::not_found(source));
         }
     }
     let file = Path::new(source);

@@ -2,6 +2,8 @@
 
 use include_dir::{Dir, include_dir};
 
+use super::CaseError;
+
 static CASES: Dir = include_dir!("$CARGO_MANIFEST_DIR/cases");
 
 /// Name and title of every shipped case, by name.
@@ -18,6 +20,23 @@ pub fn shipped() -> Vec<(String, String)> {
 /// The text of a shipped case.
 pub(super) fn text(name: &str) -> Option<&'static str> {
     CASES.get_file(format!("{name}.json"))?.contents_utf8()
+}
+
+/// The text of the shipped case `name`.
+///
+/// # Errors
+/// [`CaseError::NotFound`], with the names that look like it.
+pub fn shipped_text(name: &str) -> Result<&'static str, CaseError> {
+    text(name).ok_or_else(|| not_found(name))
+}
+
+/// What to say of a name that is no shipped case.
+pub(super) fn not_found(name: &str) -> CaseError {
+    let names: Vec<String> = shipped().into_iter().map(|(name, _)| name).collect();
+    CaseError::NotFound {
+        text: name.to_owned(),
+        nearest: super::error::nearest(name, &names, 3),
+    }
 }
 
 fn title(name: &str) -> String {

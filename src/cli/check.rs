@@ -54,16 +54,54 @@ fn describe(
     let neighbors = survey.entries as f64 / particles.max(1) as f64;
     let lines = [
         ("case", format!("{}: {}", scene.name, scene.title)),
-        ("particles", format!("{} in {}-D, {} held", grouped(particles), problem.dimension, grouped(held))),
-        ("neighbours", format!("{} a particle", significant(neighbors, 4))),
-        ("kernel", format!("{}, H = {} m", problem.kernel.kind().name(), problem.kernel.support_radius())),
-        ("machine", format!("{}{}, {}", plan.machine.backend_name(), adapter.map(|a| format!(" ({a})")).unwrap_or_default(), plan.machine.precision().name())),
+        (
+            "particles",
+            format!(
+                "{} in {}-D, {} held",
+                grouped(particles),
+                problem.dimension,
+                grouped(held)
+            ),
+        ),
+        (
+            "neighbours",
+            format!("{} a particle", significant(neighbors, 4)),
+        ),
+        (
+            "kernel",
+            format!(
+                "{}, H = {} m",
+                problem.kernel.kind().name(),
+                problem.kernel.support_radius()
+            ),
+        ),
+        (
+            "machine",
+            format!(
+                "{}{}, {}",
+                plan.machine.backend_name(),
+                adapter.map(|a| format!(" ({a})")).unwrap_or_default(),
+                plan.machine.precision().name()
+            ),
+        ),
         ("path", plan.path.name().to_owned()),
         ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
         ("duration", simulated_time(problem.time.end)),
         ("step", seconds(step.taken(problem))),
         ("steps", grouped(steps)),
-        ("limits", format!("(116) {}, (117) {}, safe {}{}", seconds(limits.report.cfl), seconds(limits.report.cfl_third), seconds(limits.safe), limits.measured.map(|m| format!(", measured {}", seconds(m))).unwrap_or_default())),
+        (
+            "limits",
+            format!(
+                "(116) {}, (117) {}, safe {}{}",
+                seconds(limits.report.cfl),
+                seconds(limits.report.cfl_third),
+                seconds(limits.safe),
+                limits
+                    .measured
+                    .map(|m| format!(", measured {}", seconds(m)))
+                    .unwrap_or_default()
+            ),
+        ),
         ("passes", plan.passes(problem).join(", ")),
     ];
     let mut text = String::new();
@@ -71,7 +109,13 @@ fn describe(
         let _ = writeln!(text, "{name:<11}{value}");
     }
     for left in &plan.left_out {
-        let _ = writeln!(text, "left out   {}: {} ({} saved)", left.what, left.why, bytes(left.bytes_saved));
+        let _ = writeln!(
+            text,
+            "left out   {}: {} ({} saved)",
+            left.what,
+            left.why,
+            bytes(left.bytes_saved)
+        );
     }
     for warning in scene.warnings.iter().chain(&step.warning) {
         let _ = writeln!(text, "warning    {warning}");

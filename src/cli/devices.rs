@@ -35,5 +35,22 @@ pub(super) fn devices(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 fn describe(adapter: &AdapterReport) -> String {
-    format!("{adapter:?} {}", bytes(0))
+    let mark = |has: bool| if has { "yes" } else { "no" };
+    format!(
+        "{}\n  {} device through {}, driver {}\n  f64 {}, subgroups {}, timestamps {}\n  buffers to \
+         {}, bound to {}, {} storage buffers a shader\n  {} invocations and {} of shared memory a \
+         workgroup\n",
+        adapter.name,
+        adapter.device_type,
+        adapter.backend,
+        adapter.driver,
+        mark(adapter.has_f64),
+        mark(adapter.has_subgroups),
+        mark(adapter.has_timestamps),
+        bytes(adapter.max_buffer_bytes),
+        bytes(adapter.max_binding_bytes),
+        adapter.max_storage_buffers,
+        adapter.max_workgroup_invocations,
+        bytes(u64::from(adapter.max_workgroup_memory_bytes)),
+    )
 }

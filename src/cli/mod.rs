@@ -45,7 +45,9 @@ enum Command {
     #[command(after_help = "Example:\n  diffusph schema > case.schema.json")]
     Schema,
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  diffusph completions bash > /etc/bash_completion.d/diffusph")]
+    #[command(
+        after_help = "Example:\n  diffusph completions bash > /etc/bash_completion.d/diffusph"
+    )]
     Completions {
         /// The shell
         shell: clap_complete::Shell,

@@ -3,7 +3,7 @@
 use super::GpuError;
 
 /// What an adapter is and can do.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct AdapterReport {
     /// The name that the driver gives.
     pub name: String,

@@ -88,6 +88,13 @@ pub enum GpuError {
     },
 }
 
+impl GpuError {
+    /// Whether what was asked for does not exist here, so that another flag would help.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::NoAdapter { .. } | Self::MissingFeature { .. })
+    }
+}
+
 fn no_adapter(wanted: Option<&str>, available: &[String]) -> String {
     let found = match available {
         [] => "none was found".to_owned(),

@@ -1,5 +1,7 @@
 use super::*;
-use crate::model::KernelKind::{self, CubicSpline, Lucy, QuinticSpline, WendlandC2, WendlandC4, WendlandC6};
+use crate::model::KernelKind::{
+    self, CubicSpline, Lucy, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
+};
 
 fn ratio(kind: KernelKind, dimension: usize, support_ratio: f64) -> f64 {
     let kernel = Kernel::new(kind, dimension, 0.5 * support_ratio).expect("defined");
@@ -22,7 +24,10 @@ fn effective_diffusivity_has_the_published_values() {
     for (kind, expected) in table {
         for (support_ratio, value) in [2.4, 2.6, 3.0, 4.0].into_iter().zip(expected) {
             let found = ratio(kind, 3, support_ratio);
-            assert!((found - value).abs() < 6e-6, "{kind:?} at {support_ratio}: {found}");
+            assert!(
+                (found - value).abs() < 6e-6,
+                "{kind:?} at {support_ratio}: {found}"
+            );
         }
     }
 }
@@ -31,6 +36,7 @@ fn effective_diffusivity_has_the_published_values() {
 fn it_does_not_change_under_refinement() {
     let coarse = Kernel::new(CubicSpline, 3, 2.0).expect("defined");
     let fine = Kernel::new(CubicSpline, 3, 0.02).expect("defined");
-    let change = effective_diffusivity_ratio(&coarse, 1.0) - effective_diffusivity_ratio(&fine, 0.01);
+    let change =
+        effective_diffusivity_ratio(&coarse, 1.0) - effective_diffusivity_ratio(&fine, 0.01);
     assert!(change.abs() < 1e-14);
 }

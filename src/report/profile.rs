@@ -17,6 +17,8 @@ pub struct Profile {
     pub axis_label: String,
     /// Name, and unit if any, of the value.
     pub value_label: String,
+    /// A point of the line: its y and z are those of every point of it (m).
+    pub through: DVec3,
     /// Where along the line each particle is, m, ascending.
     pub position: Vec<f64>,
     /// The numerical value of each particle.
@@ -55,6 +57,7 @@ impl Profile {
             Self {
                 axis_label: "x (m)".to_owned(),
                 value_label: "value".to_owned(),
+                through: positions[row[0]],
                 position: row.iter().map(|&i| positions[i].x).collect(),
                 value: pick(value),
                 exact: exact.map(pick),

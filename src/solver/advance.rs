@@ -57,7 +57,11 @@ pub fn advance<B: Backend, O: Observer>(
     schedule: &Schedule,
     observer: &mut O,
 ) -> Result<(), O::Error> {
-    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK };
+    let mut run = Run {
+        steps: schedule.total_steps(),
+        step: 0,
+        chunk: FIRST_CHUNK,
+    };
     let mut start = 0.0;
     for segment in schedule.clone() {
         run.segment(backend, problem, observer, start, &segment)?;
@@ -98,10 +102,18 @@ impl Run {
             done += count;
             self.step += count;
             let time = start + done as f64 * segment.dt;
-            let progress = Progress { step: self.step, steps: self.steps, time };
+            let progress = Progress {
+                step: self.step,
+                steps: self.steps,
+                time,
+            };
             if observer.progress(progress) == Wish::Stop {
                 observer.last_state(time, backend.read()?.as_ref())?;
-                return Err(SolverError::Interrupted { step: self.step, time }.into());
+                return Err(SolverError::Interrupted {
+                    step: self.step,
+                    time,
+                }
+                .into());
             }
         }
         Ok(())

@@ -55,8 +55,11 @@ struct CompensatedSum {
 impl CompensatedSum {
     fn add(&mut self, term: f64) {
         let sum = self.sum + term;
-        let (large, small) =
-            if self.sum.abs() >= term.abs() { (self.sum, term) } else { (term, self.sum) };
+        let (large, small) = if self.sum.abs() >= term.abs() {
+            (self.sum, term)
+        } else {
+            (term, self.sum)
+        };
         self.lost += (large - sum) + small;
         self.sum = sum;
     }
@@ -91,7 +94,10 @@ impl CpuBackend {
 
     /// Volumes in the rows' order, m^dim.
     pub fn volume_by_rank(&self, problem: &Problem) -> Vec<f64> {
-        self.order.iter().map(|&p| problem.particles.volume[p as usize]).collect()
+        self.order
+            .iter()
+            .map(|&p| problem.particles.volume[p as usize])
+            .collect()
     }
 
     fn step(&mut self, dt: f64) {
@@ -132,8 +138,16 @@ impl Held {
             .map(|(rank, _)| rank)
             .collect();
         let particle = |rank: &u32| grid.order()[*rank as usize] as usize;
-        let volume = rank.iter().map(|r| problem.particles.volume[particle(r)]).collect();
-        Self { rows, rank, volume, exchange: CompensatedSum::default() }
+        let volume = rank
+            .iter()
+            .map(|r| problem.particles.volume[particle(r)])
+            .collect();
+        Self {
+            rows,
+            rank,
+            volume,
+            exchange: CompensatedSum::default(),
+        }
     }
 
     /// Books what holding the values takes over a step of `dt`: the negative of what the held
@@ -141,14 +155,18 @@ impl Held {
     fn account(&mut self, dt: f64, state: &[f64]) {
         let part = |(ranks, volumes): (&[u32], &[f64])| -> f64 {
             let gains = ranks.iter().zip(volumes);
-            gains.map(|(&rank, volume)| volume * self.rows.rate(rank as usize, state)).sum()
+            gains
+                .map(|(&rank, volume)| volume * self.rows.rate(rank as usize, state))
+                .sum()
         };
         let gained: f64 = if self.rank.len() < SERIAL_ROWS {
             part((&self.rank, &self.volume))
         } else {
             let ranks = self.rank.par_chunks(ROWS_PER_TASK);
-            let parts: Vec<f64> =
-                ranks.zip(self.volume.par_chunks(ROWS_PER_TASK)).map(part).collect();
+            let parts: Vec<f64> = ranks
+                .zip(self.volume.par_chunks(ROWS_PER_TASK))
+                .map(part)
+                .collect();
             parts.iter().sum()
         };
         self.exchange.add(-dt * gained);
@@ -178,12 +196,19 @@ impl Backend for CpuBackend {
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
-        Ok(self.state.par_chunks(ROWS_PER_TASK).all(|part| part.iter().all(|x| x.is_finite())))
+        Ok(self
+            .state
+            .par_chunks(ROWS_PER_TASK)
+            .all(|part| part.iter().all(|x| x.is_finite())))
     }
 
     fn save(&mut self) -> Result<(), SolverError> {
         self.saved.clone_from(&self.state);
-        self.saved_exchange = self.held.as_ref().map(|held| held.exchange).unwrap_or_default();
+        self.saved_exchange = self
+            .held
+            .as_ref()
+            .map(|held| held.exchange)
+            .unwrap_or_default();
         Ok(())
     }
 
@@ -198,8 +223,12 @@ impl Backend for CpuBackend {
     fn memory_bytes(&self) -> u64 {
         let states = [&self.state, &self.next, &self.saved].map(|s| size_of_val(&**s) as u64);
         let held = self.held.as_ref().map_or(0, |held| {
-            held.rows.memory_bytes() + (size_of_val(&*held.rank) + size_of_val(&*held.volume)) as u64
+            held.rows.memory_bytes()
+                + (size_of_val(&*held.rank) + size_of_val(&*held.volume)) as u64
         });
-        self.rows.memory_bytes() + size_of_val(&*self.order) as u64 + states.iter().sum::<u64>() + held
+        self.rows.memory_bytes()
+            + size_of_val(&*self.order) as u64
+            + states.iter().sum::<u64>()
+            + held
     }
 }

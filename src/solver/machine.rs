@@ -102,7 +102,7 @@ impl Machine {
     pub fn adapter(&self) -> Option<&str> {
         match self {
             Self::Cpu => None,
-            Self::Gpu { device, .. } => Some(device.name()),
+            Self::Gpu { device, .. } => Some(&device.report().name),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What runs for a scene, and what is left out because the scene does not need it.
 
-use super::MachineKind;
+use super::{MachineKind, gpu};
 use crate::model::Problem;
 
 /// What runs for a scene: a pure function of the problem and the kind of machine.
@@ -47,9 +47,15 @@ impl Needs {
     /// The needs of `problem`.
     pub fn of(problem: &Problem) -> Self {
         let volume = &problem.particles.volume;
-        let first = problem.materials.first().map(|material| material.diffusivity);
+        let first = problem
+            .materials
+            .first()
+            .map(|material| material.diffusivity);
         let same_volume = volume.iter().all(|v| v == &volume[0]);
-        let same_diffusivity = problem.materials.iter().all(|m| Some(m.diffusivity) == first);
+        let same_diffusivity = problem
+            .materials
+            .iter()
+            .all(|m| Some(m.diffusivity) == first);
         Self {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
@@ -74,7 +80,35 @@ impl Plan {
     pub fn new(problem: &Problem, machine: MachineKind) -> Self {
         let needs = Needs::of(problem);
         let left_out = left_out(problem, machine, needs);
-        Self { machine, path: Path::List, needs, left_out }
+        Self {
+            machine,
+            path: Path::List,
+            needs,
+            left_out,
+        }
+    }
+
+    /// The passes of a run, in order.
+    pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
+        let (setup, step): (&[_], &[_]) = match self.machine {
+            MachineKind::Cpu if self.needs.held => {
+                (&["sort", "survey", "rows"], &["exchange", "step"])
+            }
+            MachineKind::Cpu => (&["sort", "survey", "rows"], &["step"]),
+            MachineKind::Gpu(_) => (&gpu::passes::SETUP, &gpu::passes::STEP),
+        };
+        let step = if problem.time.end == 0.0 { &[] } else { step };
+        [setup, step].concat()
+    }
+
+    /// About how many bytes the state and the operator take: `entries` is the number of neighbours
+    /// over all particles.
+    pub fn memory_bytes(&self, problem: &Problem, entries: u64) -> u64 {
+        let particles = problem.particles.len() as u64;
+        let real = self.machine.precision().bytes();
+        // Two states and the saved one; order and start of each row.
+        let by_particle = 3 * real + 12;
+        entries * (4 + real) + particles * by_particle
     }
 }
 
@@ -83,7 +117,13 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
     let on_gpu = machine != MachineKind::Cpu;
     let real = machine.precision().bytes();
     let mut list = Vec::new();
-    let mut leave = |what, why, bytes_saved| list.push(LeftOut { what, why, bytes_saved });
+    let mut leave = |what, why, bytes_saved| {
+        list.push(LeftOut {
+            what,
+            why,
+            bytes_saved,
+        })
+    };
     if !needs.held {
         // The CPU path would keep the starts of a second set of rows, the GPU an accumulator.
         let bytes = particles * if on_gpu { real } else { 8 };
@@ -91,7 +131,11 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
     }
     if on_gpu && !needs.coefficients {
         let why = "all particles share one volume and one diffusivity";
-        leave("volume and diffusivity by particle", why, particles * 2 * real);
+        leave(
+            "volume and diffusivity by particle",
+            why,
+            particles * 2 * real,
+        );
     }
     if !needs.periodic {
         leave("nearest images", "no axis is periodic", 0);
@@ -115,7 +159,10 @@ mod tests {
 
     fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
         let plan = Plan::new(problem, machine);
-        plan.left_out.iter().map(|left| (left.what, left.bytes_saved)).collect()
+        plan.left_out
+            .iter()
+            .map(|left| (left.what, left.bytes_saved))
+            .collect()
     }
 
     #[test]

@@ -13,6 +13,14 @@ impl Precision {
     /// Every precision.
     pub const ALL: [Self; 2] = [Self::F32, Self::F64];
 
+    /// Bytes of one number.
+    pub fn bytes(self) -> u64 {
+        match self {
+            Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
     /// The name in flags and reports.
     pub fn name(self) -> &'static str {
         match self {

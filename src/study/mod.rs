@@ -3,4 +3,4 @@
 mod recorder;
 mod run;
 
-pub use run::{RunError, RunOptions, Outcome, run};
+pub use run::{Outcome, RunError, RunOptions, run};

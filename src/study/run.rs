@@ -9,8 +9,8 @@ use crate::case::Scene;
 use crate::model::integrator::Schedule;
 use crate::model::operator::rows::{Survey, cell_grid, survey};
 use crate::report::run::{
-    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range, RunReport,
-    WallTimes,
+    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
+    RunReport, WallTimes,
 };
 use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
 use crate::solver::cpu::CpuBackend;
@@ -98,13 +98,20 @@ pub fn run(
     })?;
     let measuring = clock.elapsed();
     let plan = Plan::new(problem, options.machine.kind());
-    let setup = Setup { scene, options, survey: &survey, step: &step, plan: &plan, measuring };
+    let setup = Setup {
+        scene,
+        options,
+        survey: &survey,
+        step: &step,
+        plan: &plan,
+        measuring,
+    };
     match options.machine {
         Machine::Cpu => solve(&setup, CpuBackend::new(problem, grid, &survey), progress),
         Machine::Gpu { device, precision } => {
             drop(grid);
-            let backend = GpuBackend::new(problem, step.dt, device, *precision)
-                .map_err(RunError::Solver)?;
+            let backend =
+                GpuBackend::new(problem, step.dt, device, *precision).map_err(RunError::Solver)?;
             solve(&setup, backend, progress)
         }
     }
@@ -143,7 +150,12 @@ fn solve<B: Backend>(
         None => schedule.total_steps(),
         Some(error) => error.good_steps(),
     };
-    let measured = Measured { ready, solving, steps, exchange: backend.exchange()? };
+    let measured = Measured {
+        ready,
+        solving,
+        steps,
+        exchange: backend.exchange()?,
+    };
     let memory = backend.memory_bytes();
     drop(backend);
     let state = std::mem::take(&mut recorder.state);
@@ -183,7 +195,11 @@ fn finish(
         report.wall_s.output = (recorder.spent + clock.elapsed()).as_secs_f64();
         folder.write_json("report.json", &report)?;
     }
-    Ok(Outcome { report, state: recorder.state, stopped })
+    Ok(Outcome {
+        report,
+        state: recorder.state,
+        stopped,
+    })
 }
 
 fn report(
@@ -199,6 +215,7 @@ fn report(
     let solve = measured.solving.as_secs_f64();
     let mut warnings = setup.scene.warnings.clone();
     warnings.extend(setup.step.warning.clone());
+    warnings.extend(setup.step.lowered(problem));
     RunReport {
         report_version: REPORT_VERSION,
         case: setup.scene.name.clone(),
@@ -216,7 +233,11 @@ fn report(
         dt: setup.step.taken(problem),
         dt_limit: setup.step.limits.stable(),
         simulated_s: recorder.time,
-        wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
+        wall_s: WallTimes {
+            setup: measured.ready.as_secs_f64(),
+            solve,
+            output: 0.0,
+        },
         updates_per_s: (particles * applications) as f64 / solve.max(f64::MIN_POSITIVE),
         memory_bytes: 0,
         field: FieldRange::of(&recorder.state),
@@ -225,16 +246,29 @@ fn report(
             total(&recorder.state, volume),
             measured.exchange,
         ),
-        density: Range { min: setup.survey.min_density, max: setup.survey.max_density },
-        error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
-            ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
-        }),
+        density: Range {
+            min: setup.survey.min_density,
+            max: setup.survey.max_density,
+        },
+        error: setup
+            .scene
+            .exact
+            .as_ref()
+            .zip(exact)
+            .map(|(solution, exact)| {
+                ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
+            }),
         probes: recorder.probes(),
-        left_out: setup.plan.left_out.iter().map(|left| LeftOut {
-            what: left.what.to_owned(),
-            why: left.why.to_owned(),
-            bytes_saved: left.bytes_saved,
-        }).collect(),
+        left_out: setup
+            .plan
+            .left_out
+            .iter()
+            .map(|left| LeftOut {
+                what: left.what.to_owned(),
+                why: left.why.to_owned(),
+                bytes_saved: left.bytes_saved,
+            })
+            .collect(),
         warnings,
     }
 }
@@ -252,8 +286,13 @@ fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Opt
             .map(|k| first + (last - first) * f64::from(k) / f64::from(CURVE_POINTS));
         // The row's own y and z: the nearest row need not go through the point asked for.
         let on_row = |x: f64| DVec3::new(x, row.through.y, row.through.z);
-        x.map(|x| (x, solution.at(on_row(x), recorder.time))).unzip()
+        x.map(|x| (x, solution.at(on_row(x), recorder.time)))
+            .unzip()
     });
     let title = format!("{}, t = {:.6e} s", scene.title, recorder.time);
-    Some(Profile { title, exact_curve, ..row })
+    Some(Profile {
+        title,
+        exact_curve,
+        ..row
+    })
 }

@@ -39,8 +39,10 @@ pub struct Scratch {
 impl<'a> CellGrid<'a> {
     /// Sorts `position` into the cells of `layout`.
     pub fn new(layout: CellLayout, position: &'a [DVec3]) -> Self {
-        let cell: Vec<u32> =
-            position.par_iter().map(|&x| layout.index(layout.coordinates(x)) as u32).collect();
+        let cell: Vec<u32> = position
+            .par_iter()
+            .map(|&x| layout.index(layout.coordinates(x)) as u32)
+            .collect();
         let mut start = vec![0_u32; layout.len() + 1];
         for &c in &cell {
             start[c as usize + 1] += 1;
@@ -54,7 +56,12 @@ impl<'a> CellGrid<'a> {
             order[next[c as usize] as usize] = particle as u32;
             next[c as usize] += 1;
         }
-        Self { layout, position, start, order }
+        Self {
+            layout,
+            position,
+            start,
+            order,
+        }
     }
 
     /// The cells.
@@ -110,19 +117,28 @@ impl<'a> CellGrid<'a> {
             let ranks = self.ranks(near);
             let particles = &self.order[ranks.clone()];
             scratch.rank.extend(ranks.map(|rank| rank as u32));
-            scratch.position.extend(particles.iter().map(|&p| self.position[p as usize]));
+            scratch
+                .position
+                .extend(particles.iter().map(|&p| self.position[p as usize]));
         });
     }
 
     fn collect_neighbors(&self, rank: usize, cutoff_squared: f64, scratch: &mut Scratch) {
         let here = self.position[self.order[rank] as usize];
         let half = 0.5 * self.layout.domain.extent();
-        let Scratch { rank: ranks, position, neighbors } = scratch;
+        let Scratch {
+            rank: ranks,
+            position,
+            neighbors,
+        } = scratch;
         neighbors.clear();
         for (&other, &x) in ranks.iter().zip(position.iter()) {
             let squared = self.shortest(x - here, half).length_squared();
             if squared < cutoff_squared && other as usize != rank {
-                neighbors.push(Neighbor { rank: other, dist: squared.sqrt() });
+                neighbors.push(Neighbor {
+                    rank: other,
+                    dist: squared.sqrt(),
+                });
             }
         }
     }

@@ -26,16 +26,24 @@ impl CellLayout {
     /// Cells for `particles` particles in `domain`, none narrower than `cutoff` (m, positive).
     pub fn new(domain: &Domain, dimension: usize, cutoff: f64, particles: usize) -> Self {
         let extent = domain.extent();
-        let limit = (particles as u64).saturating_mul(CELLS_PER_PARTICLE).max(CELLS_FLOOR);
+        let limit = (particles as u64)
+            .saturating_mul(CELLS_PER_PARTICLE)
+            .max(CELLS_FLOOR);
         let mut width = cutoff;
         loop {
             let mut cells = [1_u32; 3];
             for axis in 0..dimension {
                 cells[axis] = (extent[axis] / width).floor().clamp(1.0, 1e9) as u32;
             }
-            let total = cells.iter().fold(1_u64, |n, &c| n.saturating_mul(u64::from(c)));
+            let total = cells
+                .iter()
+                .fold(1_u64, |n, &c| n.saturating_mul(u64::from(c)));
             if total <= limit {
-                return Self { domain: *domain, cells, size: Self::cell_size(extent, cells) };
+                return Self {
+                    domain: *domain,
+                    cells,
+                    size: Self::cell_size(extent, cells),
+                };
             }
             width *= 1.26;
         }
@@ -65,7 +73,9 @@ impl CellLayout {
     pub fn coordinates(&self, x: DVec3) -> [u32; 3] {
         let scaled = (x - self.domain.min) / self.size;
         std::array::from_fn(|axis| {
-            scaled[axis].floor().clamp(0.0, f64::from(self.cells[axis] - 1)) as u32
+            scaled[axis]
+                .floor()
+                .clamp(0.0, f64::from(self.cells[axis] - 1)) as u32
         })
     }
 
@@ -79,14 +89,19 @@ impl CellLayout {
     /// The coordinates of the cell with this index.
     pub fn coordinates_of_index(&self, index: usize) -> [u32; 3] {
         let [nx, ny, _] = self.cells.map(|c| c as usize);
-        [(index % nx) as u32, (index / nx % ny) as u32, (index / (nx * ny)) as u32]
+        [
+            (index % nx) as u32,
+            (index / nx % ny) as u32,
+            (index / (nx * ny)) as u32,
+        ]
     }
 
     /// The cells that may hold neighbours of the particles in cell `index`, itself among them,
     /// each once: z, then y, then x, from below to above.
     pub fn for_each_near(&self, index: usize, mut visit: impl FnMut(usize)) {
         let here = self.coordinates_of_index(index);
-        let [near_x, near_y, near_z] = std::array::from_fn(|axis| self.near_along(axis, here[axis]));
+        let [near_x, near_y, near_z] =
+            std::array::from_fn(|axis| self.near_along(axis, here[axis]));
         for z in near_z.iter().flatten() {
             for y in near_y.iter().flatten() {
                 for x in near_x.iter().flatten() {

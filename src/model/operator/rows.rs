@@ -53,7 +53,10 @@ pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
         .into_par_iter()
         .map(|cells| survey_cells(problem, grid, cells))
         .collect();
-    let mut whole = Survey { neighbors: Vec::with_capacity(grid.order().len()), ..Survey::empty() };
+    let mut whole = Survey {
+        neighbors: Vec::with_capacity(grid.order().len()),
+        ..Survey::empty()
+    };
     for block in blocks {
         whole.neighbors.extend(&block.neighbors);
         whole.entries += block.entries;
@@ -84,24 +87,30 @@ fn survey_cells(problem: &Problem, grid: &CellGrid<'_>, cells: std::ops::Range<u
     let mut found = Survey::empty();
     for cell in cells {
         let cutoff = problem.kernel.cutoff();
-        grid.for_each_row(cell, cutoff, &mut scratch, |_| true, |rank, neighbors| {
-            let a = grid.order()[rank] as usize;
-            found.neighbors.push(neighbors.len() as u32);
-            found.entries += neighbors.len() as u64;
-            let density = density_of(problem, grid, a, neighbors);
-            found.min_density = found.min_density.min(density);
-            found.max_density = found.max_density.max(density);
-            if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
-                found.coincident = Some((a, grid.order()[same.rank as usize] as usize));
-            }
-            if !problem.is_held(a) {
-                let diagonal = neighbors
-                    .iter()
-                    .map(|n| weight.of(a, grid.order()[n.rank as usize] as usize, n.dist))
-                    .sum();
-                found.max_diagonal = found.max_diagonal.max(diagonal);
-            }
-        });
+        grid.for_each_row(
+            cell,
+            cutoff,
+            &mut scratch,
+            |_| true,
+            |rank, neighbors| {
+                let a = grid.order()[rank] as usize;
+                found.neighbors.push(neighbors.len() as u32);
+                found.entries += neighbors.len() as u64;
+                let density = density_of(problem, grid, a, neighbors);
+                found.min_density = found.min_density.min(density);
+                found.max_density = found.max_density.max(density);
+                if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
+                    found.coincident = Some((a, grid.order()[same.rank as usize] as usize));
+                }
+                if !problem.is_held(a) {
+                    let diagonal = neighbors
+                        .iter()
+                        .map(|n| weight.of(a, grid.order()[n.rank as usize] as usize, n.dist))
+                        .sum();
+                    found.max_diagonal = found.max_diagonal.max(diagonal);
+                }
+            },
+        );
     }
     found
 }
@@ -125,10 +134,16 @@ pub fn density(problem: &Problem) -> Vec<f64> {
             let mut scratch = Scratch::default();
             let mut density = Vec::new();
             for cell in cells {
-                grid.for_each_row(cell, cutoff, &mut scratch, |_| true, |rank, neighbors| {
-                    let a = grid.order()[rank] as usize;
-                    density.push(density_of(problem, &grid, a, neighbors));
-                });
+                grid.for_each_row(
+                    cell,
+                    cutoff,
+                    &mut scratch,
+                    |_| true,
+                    |rank, neighbors| {
+                        let a = grid.order()[rank] as usize;
+                        density.push(density_of(problem, &grid, a, neighbors));
+                    },
+                );
             }
             density
         })
@@ -156,7 +171,11 @@ pub fn assemble(
         end += if wanted_rank(rank) { count as usize } else { 0 };
         start.push(end);
     }
-    let mut rows = Rows { start, index: vec![0; end], weight: vec![0.0; end] };
+    let mut rows = Rows {
+        start,
+        index: vec![0; end],
+        weight: vec![0.0; end],
+    };
     let mut blocks = Vec::new();
     let (mut index, mut weight) = (rows.index.as_mut_slice(), rows.weight.as_mut_slice());
     for cells in tasks(grid) {

@@ -45,7 +45,10 @@ pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
             let (ritz, last) = largest_ritz(&diagonal, &off_diagonal);
             let residual = beta * last.abs();
             if exhausted || residual <= TOLERANCE * ritz {
-                return LargestEigenvalue { bound: ritz + residual, applications: iteration as u64 };
+                return LargestEigenvalue {
+                    bound: ritz + residual,
+                    applications: iteration as u64,
+                };
             }
         }
         off_diagonal.push(beta);
@@ -60,9 +63,15 @@ fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut vector: Vec<f64> = (0..n)
         .map(|rank| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963);
             let empty = rows.start[rank] == rows.start[rank + 1];
-            if empty { 0.0 } else { (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5 }
+            if empty {
+                0.0
+            } else {
+                (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+            }
         })
         .collect();
     let norm = dot(&vector, &vector).sqrt();
@@ -85,8 +94,11 @@ fn apply(rows: &Rows, root: &[f64], x: &[f64]) -> Vec<f64> {
 /// A dot product whose order of summation does not depend on the number of threads.
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     let part = |(x, y): (&[f64], &[f64])| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    let parts: Vec<f64> =
-        x.par_chunks(ROWS_PER_TASK).zip(y.par_chunks(ROWS_PER_TASK)).map(part).collect();
+    let parts: Vec<f64> = x
+        .par_chunks(ROWS_PER_TASK)
+        .zip(y.par_chunks(ROWS_PER_TASK))
+        .map(part)
+        .collect();
     parts.iter().sum()
 }
 
@@ -99,14 +111,20 @@ fn axpy(y: &mut [f64], factor: f64, x: &[f64]) {
 fn largest_ritz(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, f64) {
     let beta = |i: usize| off_diagonal.get(i).copied().unwrap_or(0.0);
     let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
-    let mut high = (0..diagonal.len()).map(|i| diagonal[i] + radius(i)).fold(f64::MIN, f64::max);
+    let mut high = (0..diagonal.len())
+        .map(|i| diagonal[i] + radius(i))
+        .fold(f64::MIN, f64::max);
     let mut low = diagonal.iter().copied().fold(f64::MIN, f64::max);
     while high - low > 1e-13 * high.abs() {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
             break;
         }
-        if is_above_all(diagonal, off_diagonal, middle) { high = middle } else { low = middle }
+        if is_above_all(diagonal, off_diagonal, middle) {
+            high = middle
+        } else {
+            low = middle
+        }
     }
     // The eigenvector by the three-term recurrence, scaled as it goes so that it stays finite.
     let (mut before, mut here, mut squares) = (0.0_f64, 1.0_f64, 1.0_f64);

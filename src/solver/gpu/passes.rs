@@ -14,6 +14,22 @@ pub const HELD_BIT: u32 = 1 << 31;
 /// Invocations a workgroup: within the least that WebGPU guarantees. See [`super::GpuOptions`].
 pub const WORKGROUP_SIZE: u32 = 64;
 
+/// The passes that build the neighbour list, in order.
+pub const SETUP: [&str; 9] = [
+    "bin",
+    "cell_count",
+    "scan_block",
+    "scan_add",
+    "scatter",
+    "rank",
+    "gather",
+    "neighbor_count",
+    "list",
+];
+
+/// The passes of a run's steps.
+pub const STEP: [&str; 2] = ["step", "finite"];
+
 /// The grid of cells and what the weights are scaled by.
 pub static GRID: BlockLayout = BlockLayout {
     name: "Grid",
