@@ -1,0 +1,132 @@
+//! The CPU path against the GPU, through types that cannot be mixed up.
+
+use std::sync::OnceLock;
+
+use diffusph::case::{self, Override, Scene};
+use diffusph::gpu::{self, Device};
+use diffusph::model::Problem;
+use diffusph::model::operator::rows::{cell_grid, survey};
+use diffusph::solver::cpu::{CpuBackend, CpuField};
+use diffusph::solver::gpu::{GpuBackend, GpuField};
+use diffusph::solver::{Backend, Precision};
+
+/// Steps of a comparison.
+const STEPS: u64 = 50;
+
+/// The device that all tests of this process share. These tests fail without an adapter.
+fn device() -> &'static Device {
+    static DEVICE: OnceLock<Device> = OnceLock::new();
+    DEVICE.get_or_init(|| {
+        let adapter = gpu::choose(None, true).expect("these tests need an adapter");
+        Device::open(&adapter.expect("a software one will do")).expect("the adapter opens")
+    })
+}
+
+fn epsilon(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F64 => f64::EPSILON,
+    }
+}
+
+/// Every shipped case, cut to a size that takes a moment.
+fn small_cases() -> Vec<Scene> {
+    let coarse: &[&str] = &["particles.spacing=5", "time.step=4e4", "output={}", "probes=[]"];
+    let layers: &[&str] =
+        &["boundaries.1.held.where.box.max.0=5", "boundaries.2.held.where.box.min.0=45"];
+    let cut = |name: &str| -> Vec<&str> {
+        match name {
+            "constant" | "affine" => [coarse, layers].concat(),
+            "gaussian" => coarse.to_vec(),
+            _ => Vec::new(),
+        }
+    };
+    let load = |name: &str| {
+        let parse = |text: &&str| Override::parse(text).expect("an override");
+        let overrides: Vec<Override> = cut(name).iter().map(parse).collect();
+        case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
+    };
+    case::shipped().iter().map(|(name, _)| load(name)).collect()
+}
+
+fn cpu(problem: &Problem) -> CpuBackend {
+    let grid = cell_grid(problem);
+    let survey = survey(problem, &grid);
+    CpuBackend::new(problem, grid, &survey)
+}
+
+/// The largest difference over the largest value.
+fn difference(cpu: &CpuField, gpu: &GpuField) -> f64 {
+    let pairs = cpu.as_ref().iter().zip(gpu.as_ref());
+    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let scale = cpu.as_ref().iter().fold(0.0, |scale: f64, c| scale.max(c.abs()));
+    worst / scale.max(f64::MIN_POSITIVE)
+}
+
+/// Roundings of one step, each worth half an epsilon of the largest value: 32 of the weights (see
+/// the rate tests of the passes), one for each neighbour's addition, and the update. A step below
+/// the safe bound is a mean of old values, so errors add up and do not grow.
+fn tolerance(problem: &Problem, precision: Precision) -> f64 {
+    let grid = cell_grid(problem);
+    let most = survey(problem, &grid).neighbors.into_iter().max().unwrap_or(0);
+    0.5 * epsilon(precision) * (34.0 + f64::from(most)) * STEPS as f64
+}
+
+#[test]
+fn fields_agree_after_many_steps_of_every_shipped_case() {
+    for scene in small_cases() {
+        let mut problem = scene.problem;
+        // Not at rest, so that there is something to compare.
+        for (value, x) in problem.initial.iter_mut().zip(&problem.particles.position) {
+            *value += 3.0 + (x.x + 2.0 * x.y).sin();
+        }
+        let dt = 0.9 / survey(&problem, &cell_grid(&problem)).max_diagonal;
+        let mut on_cpu = cpu(&problem);
+        on_cpu.euler(dt, STEPS).expect("steps");
+        for precision in Precision::ALL {
+            let mut on_gpu = GpuBackend::new(&problem, dt, device(), precision).expect("backend");
+            on_gpu.euler(dt, STEPS).expect("steps");
+            let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
+            let allowed = tolerance(&problem, precision);
+            assert!(found <= allowed, "{} in {precision:?}: {found:e} > {allowed:e}", scene.name);
+            let given = on_cpu.exchange().expect("exchange");
+            let volume: f64 = problem.particles.volume.iter().sum();
+            let scale = volume * problem.initial.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
+            let off = (given - on_gpu.exchange().expect("exchange")).abs();
+            assert!(off <= allowed * scale, "{}: exchange off by {off:e}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn the_cross_check_notices_one_changed_weight() {
+    let scene = case::load("gaussian_small", &[]).expect("a shipped case");
+    let dt = scene.problem.spacing.powi(2) / scene.problem.materials[0].diffusivity / 10.0;
+    let mut changed = scene.problem.clone();
+    changed.particles.volume[6000] *= 1.0 + 1e-3;
+    let mut on_cpu = cpu(&scene.problem);
+    let mut on_gpu = GpuBackend::new(&changed, dt, device(), Precision::F64).expect("backend");
+    on_cpu.euler(dt, STEPS).expect("steps");
+    on_gpu.euler(dt, STEPS).expect("steps");
+    let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
+    assert!(found > tolerance(&scene.problem, Precision::F64), "{found:e}");
+}
+
+#[test]
+fn saved_states_come_back_on_both_sides() {
+    let problem = case::load("gaussian_small", &[]).expect("a shipped case").problem;
+    let dt = problem.spacing.powi(2) / problem.materials[0].diffusivity / 10.0;
+    let gpu = GpuBackend::new(&problem, dt, device(), Precision::F32).expect("backend");
+    fn check<B: Backend>(mut backend: B, dt: f64) {
+        backend.euler(dt, 3).expect("steps");
+        backend.save().expect("save");
+        let before = backend.read().expect("read").as_ref().to_vec();
+        backend.euler(dt, 3).expect("steps");
+        assert_ne!(backend.read().expect("read").as_ref(), before);
+        backend.restore().expect("restore");
+        assert_eq!(backend.read().expect("read").as_ref(), before);
+        assert!(backend.is_finite().expect("check"));
+    }
+    check(cpu(&problem), dt);
+    check(gpu, dt);
+}
