@@ -25,13 +25,10 @@ pub(super) enum ShapeSpec {
         to: Point,
         radius: Number,
     },
-    /// What lies between two concentric spheres; in 2-D a ring. `annulus` is the same.
-    #[serde(alias = "annulus")]
-    Shell {
-        center: Point,
-        inner_radius: Number,
-        outer_radius: Number,
-    },
+    /// What lies between two concentric spheres.
+    Shell(ShellSpec),
+    /// What lies between two concentric circles, in 2-D; in 3-D the same as a shell.
+    Annulus(ShellSpec),
     /// Everything on one side of a plane: the normal points out of the half space.
     HalfSpace { point: Point, normal: Point },
     /// What is in any of the shapes.
@@ -41,6 +38,15 @@ pub(super) enum ShapeSpec {
         of: Box<ShapeSpec>,
         minus: Vec<ShapeSpec>,
     },
+}
+
+/// Centre and radii of a shell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct ShellSpec {
+    center: Point,
+    inner_radius: Number,
+    outer_radius: Number,
 }
 
 /// A shape in numbers, m.
@@ -115,29 +121,8 @@ impl ShapeSpec {
                     radius: positive("cylinder.radius", radius)?,
                 })
             }
-            Self::Shell {
-                center,
-                inner_radius,
-                outer_radius,
-            } => {
-                let inner_path = format!("{path}.shell.inner_radius");
-                let inner_radius = evaluator.not_negative(&inner_path, inner_radius)?;
-                let outer_radius = positive("shell.outer_radius", outer_radius)?;
-                let narrower = inner_radius < outer_radius;
-                in_range(
-                    &inner_path,
-                    inner_radius,
-                    narrower,
-                    "below the outer radius",
-                )?;
-                let center = point("shell.center", center)?;
-                Ok(Shape::Shell {
-                    center,
-                    inner_radius,
-                    outer_radius,
-                    dimension,
-                })
-            }
+            Self::Shell(shell) => shell.resolve(evaluator, &format!("{path}.shell")),
+            Self::Annulus(shell) => shell.resolve(evaluator, &format!("{path}.annulus")),
             Self::HalfSpace {
                 point: foot,
                 normal,
@@ -170,6 +155,30 @@ impl ShapeSpec {
                 })
             }
         }
+    }
+}
+
+impl ShellSpec {
+    fn resolve(&self, evaluator: &Evaluator, path: &str) -> Result<Shape, CaseError> {
+        let inner_path = format!("{path}.inner_radius");
+        let inner_radius = evaluator.not_negative(&inner_path, &self.inner_radius)?;
+        let outer_path = format!("{path}.outer_radius");
+        let outer_radius = evaluator.positive(&outer_path, &self.outer_radius)?;
+        let narrower = inner_radius < outer_radius;
+        in_range(
+            &inner_path,
+            inner_radius,
+            narrower,
+            "below the outer radius",
+        )?;
+        let center = evaluator.point(&format!("{path}.center"), &self.center)?;
+        let dimension = evaluator.dimension;
+        Ok(Shape::Shell {
+            center,
+            inner_radius,
+            outer_radius,
+            dimension,
+        })
     }
 }
 

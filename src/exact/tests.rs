@@ -27,8 +27,17 @@ fn rod() -> Slab {
     }
 }
 
+/// A point whose coordinates past `dimension` are 0, as everywhere in a scene.
+fn point(dimension: usize, coordinates: [f64; 3]) -> DVec3 {
+    let mut x = DVec3::ZERO;
+    for axis in 0..dimension {
+        x[axis] = coordinates[axis];
+    }
+    x
+}
+
 fn transient(dimension: usize) -> Vec<Solution> {
-    let at = DVec3::new(0.3, 0.6, 0.5);
+    let at = point(dimension, [0.3, 0.6, 0.5]);
     vec![
         Solution::PointSource(PointSource {
             dimension,
@@ -88,10 +97,7 @@ fn residual(solution: &Solution, dimension: usize, diffusivity: f64, x: DVec3, t
 #[test]
 fn solutions_satisfy_the_equation() {
     for dimension in 1..=3 {
-        let mut x = DVec3::ZERO;
-        for axis in 0..dimension {
-            x[axis] = [0.42, 0.71, 0.37][axis];
-        }
+        let x = point(dimension, [0.42, 0.71, 0.37]);
         for solution in transient(dimension) {
             for t in [0.02, 0.11, 0.9] {
                 let found = residual(&solution, dimension, 0.3, x, t);
