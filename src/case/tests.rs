@@ -1,7 +1,9 @@
 //! Tests of whole cases.
 
 mod bad;
+mod expression;
 mod good;
+mod shape;
 mod shipped;
 
 use serde_json::{Value, json};

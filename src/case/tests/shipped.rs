@@ -176,16 +176,3 @@ fn deposits_lie_on_the_eight_central_particles() {
     let found = exact.at(DVec3::splat(25.25), 2.0 * YEAR);
     assert!((found - 0.13619051).abs() < 5e-9, "{found}");
 }
-
-#[test]
-fn zz_write() {
-    let path = format!(
-        "{}/cases/schema/case.schema.json",
-        env!("CARGO_MANIFEST_DIR")
-    );
-    std::fs::write(
-        path,
-        serde_json::to_string_pretty(&schema()).expect("json") + "\n",
-    )
-    .expect("w");
-}
