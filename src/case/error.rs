@@ -76,7 +76,9 @@ pub enum CaseError {
         reason: String,
     },
     /// A name that stands for nothing.
-    #[error("{path}: unknown name \"{text}\"{} (known: {})", did_you_mean(.nearest), .known.join(", "))]
+    #[error(
+        "{path}: unknown name \"{text}\"{} (known: {})",
+        did_you_mean(.nearest), .known.join(", "))]
     UnknownName {
         /// The value's path.
         path: String,

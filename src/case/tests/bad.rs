@@ -264,13 +264,15 @@ const BAD: &[(&[&str], &str)] = &[
     ),
     (
         &[
-            "boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}}]",
+            "boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},\
+           {\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}}]",
         ],
         "boundaries[1].wall.face: \"x_min\" is given twice",
     ),
     (
         &[
-            "boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},{\"periodic\":{\"axes\":[\"x\"]}}]",
+            "boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},\
+           {\"periodic\":{\"axes\":[\"x\"]}}]",
         ],
         "boundaries[0].wall.face: not used: the axis x is periodic",
     ),
@@ -304,9 +306,8 @@ const BAD: &[(&[&str], &str)] = &[
         "exact.axis: unknown name \"z\"",
     ),
     (
-        &[
-            "exact={\"name\":\"slab\",\"axis\":\"x\",\"left\":1,\"right\":1,\"initial\":0,\"to\":-1}",
-        ],
+        &["exact={\"name\":\"slab\",\
+           \"axis\":\"x\",\"left\":1,\"right\":1,\"initial\":0,\"to\":-1}"],
         "exact.to: is -1, must be above exact.from",
     ),
 ];

@@ -41,7 +41,10 @@ fn the_base_case_is_what_it_says() {
 fn later_values_win_and_amounts_add() {
     let right = r#"{"half_space":{"point":[2,0],"normal":[-1,0]}}"#;
     let scene = with(&[
-        &format!(r#"initial=[{{"value":"x+10*y"}},{{"value":7,"where":{right}}},{{"amount":4,"at":[3,1]}},{{"amount":"-1","at":[3,1]}}]"#),
+        &format!(
+            r#"initial=[{{"value":"x+10*y"}},{{"value":7,"where":{right}}},
+                {{"amount":4,"at":[3,1]}},{{"amount":"-1","at":[3,1]}}]"#
+        ),
         "boundaries=[]",
     ])
     .expect("good");
