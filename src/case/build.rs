@@ -1,26 +1,21 @@
-//! The typed case to a [`Scene`]: numbers, shapes and particles, and every check.
+//! The typed case to a [`Scene`].
 
 use glam::DVec3;
 
-use super::boundary::{hold, periodic};
+use super::Scene;
+use super::boundary::hold;
 use super::error::{CaseError, nearest};
 use super::exact::{Setting, resolve as resolve_exact};
-use super::fill::{Fill, Lattice};
+use super::geometry::{WHOLE, particles};
 use super::initial::{Ground, Initial, resolve as resolve_initial};
 use super::number::{AXES, Evaluator, Field, in_range, show};
-use super::schema::Case;
-use super::shape::ShapeSpec;
-use super::{OutputField, Scene};
-use crate::model::integrator::Method;
+use super::plan::{fields, fill_in_defaults, probes, time};
+use super::schema::{Case, MaterialSpec};
+use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
 use crate::model::{
-    Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Probe, Problem,
-    StepChoice, TimePlan,
+    Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem,
 };
-
-/// Relative error below which a length counts as a whole number of spacings, and a support as no
-/// wider than half an axis.
-const WHOLE: f64 = 1e-9;
 
 /// How many particles an exact expression is tried at.
 const TRIALS: usize = 1000;
@@ -31,88 +26,17 @@ pub(super) fn build(
     mut case: Case,
     mut warnings: Vec<String>,
 ) -> Result<Scene, CaseError> {
-    let evaluator = evaluator(&case)?;
-    let spacing = evaluator.spacing.unwrap_or_default();
-    let materials = materials(&case, &evaluator)?;
-    let (domain, particles) = particles(&case, &evaluator, spacing, &mut warnings)?;
-    let kernel = kernel(&case, &evaluator, spacing, &domain)?;
-    let ground = Ground {
-        evaluator: &evaluator,
-        domain: &domain,
-        spacing,
-        particles: &particles,
-    };
-    let Initial {
-        value: mut initial,
-        deposits,
-        recipients,
-    } = resolve_initial(&case.initial, &ground)?;
-    let held = hold(
-        &case.boundaries,
-        &evaluator,
-        &particles,
-        spacing,
-        &mut initial,
-    )?;
-    for (particle, entry) in recipients {
-        if held.binary_search(&particle).is_ok() {
-            let x = show(particles.position[particle as usize], evaluator.dimension);
-            warnings.push(format!(
-                "initial[{entry}]: the particle at {x} is held: its part is lost"
-            ));
-        }
-    }
-    let time = time(&case, &evaluator)?;
-    let setting = Setting {
-        evaluator: &evaluator,
-        domain: &domain,
-        spacing,
-        materials: &materials,
-        deposits: &deposits,
-    };
-    let exact = case
-        .exact
-        .as_ref()
-        .map(|spec| resolve_exact(spec, &setting))
-        .transpose()?;
-    if let Some((_, Some(field))) = &exact {
-        try_out(field, &particles.position, time.end)?;
-    }
-    let probes = probes(&case, &evaluator, &domain, spacing)?;
+    let (problem, exact) = problem(&case, &mut warnings)?;
     fill_in_defaults(&mut case);
     let fields = fields(&case)?;
     let resolved = serde_json::to_value(&case).map_err(|error| CaseError::Json {
         path: String::new(),
         reason: error.to_string(),
     })?;
-    let problem = Problem {
-        dimension: evaluator.dimension,
-        spacing,
-        domain,
-        particles,
-        materials,
-        kernel,
-        pair_mean: by_name(
-            "operator.pair_mean",
-            &case.operator.pair_mean,
-            &PairMean::ALL,
-            PairMean::name,
-        )?,
-        correction: by_name(
-            "operator.correction",
-            &case.operator.correction,
-            &Correction::ALL,
-            Correction::name,
-        )?,
-        initial,
-        held,
-        time,
-        probes,
-    };
-    let exact = exact.map(|(solution, _)| solution);
+    let (name, title) = (name.to_owned(), case.title);
     Ok(Scene {
-        name: name.to_owned(),
-        title: case.title,
+        name,
+        title,
         problem,
         exact,
         fields,
@@ -121,8 +45,103 @@ pub(super) fn build(
     })
 }
 
+fn problem(
+    case: &Case,
+    warnings: &mut Vec<String>,
+) -> Result<(Problem, Option<Solution>), CaseError> {
+    let (evaluator, spacing) = evaluator(case)?;
+    let materials = materials(case, &evaluator)?;
+    let (domain, particles) = particles(case, &evaluator, spacing, warnings)?;
+    let kernel = kernel(case, &evaluator, spacing, &domain)?;
+    let (pair_mean, correction) = operator(case)?;
+    let ground = Ground {
+        evaluator: &evaluator,
+        domain: &domain,
+        spacing,
+        particles: &particles,
+    };
+    let mut initial = resolve_initial(&case.initial, &ground)?;
+    let held = hold(
+        &case.boundaries,
+        &evaluator,
+        &particles,
+        spacing,
+        &mut initial.value,
+    )?;
+    warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
+    let time = time(case, &evaluator)?;
+    let setting = Setting {
+        evaluator: &evaluator,
+        domain: &domain,
+        spacing,
+        materials: &materials,
+        deposits: &initial.deposits,
+    };
+    let exact = solution(case, &setting, &particles.position, time.end)?;
+    let problem = Problem {
+        dimension: evaluator.dimension,
+        spacing,
+        domain,
+        probes: probes(case, &evaluator, &domain, spacing)?,
+        particles,
+        materials,
+        kernel,
+        pair_mean,
+        correction,
+        initial: initial.value,
+        held,
+        time,
+    };
+    Ok((problem, exact))
+}
+
+fn operator(case: &Case) -> Result<(PairMean, Correction), CaseError> {
+    let (mean, correction) = (&case.operator.pair_mean, &case.operator.correction);
+    Ok((
+        by_name("operator.pair_mean", mean, &PairMean::ALL, PairMean::name)?,
+        by_name(
+            "operator.correction",
+            correction,
+            &Correction::ALL,
+            Correction::name,
+        )?,
+    ))
+}
+
+fn warn_of_lost_parts(
+    initial: &Initial,
+    held: &[u32],
+    particles: &Particles,
+    evaluator: &Evaluator,
+    warnings: &mut Vec<String>,
+) {
+    for (particle, entry) in &initial.recipients {
+        if held.binary_search(particle).is_ok() {
+            let x = show(particles.position[*particle as usize], evaluator.dimension);
+            let fault = format!("the particle at {x} is held: its part of the amount is lost");
+            warnings.push(format!("initial[{entry}]: {fault}"));
+        }
+    }
+}
+
+fn solution(
+    case: &Case,
+    setting: &Setting,
+    position: &[DVec3],
+    end: f64,
+) -> Result<Option<Solution>, CaseError> {
+    let Some(spec) = &case.exact else {
+        return Ok(None);
+    };
+    let (solution, expression) = resolve_exact(spec, setting)?;
+    if let Some(field) = expression {
+        try_out(&field, position, end)?;
+    }
+    Ok(Some(solution))
+}
+
 /// The entry of `all` that `text` names.
-fn by_name<T: Copy>(
+pub(super) fn by_name<T: Copy>(
     path: &str,
     text: &str,
     all: &[T],
@@ -143,7 +162,8 @@ fn by_name<T: Copy>(
         })
 }
 
-fn evaluator(case: &Case) -> Result<Evaluator, CaseError> {
+/// What evaluates the case's numbers, and the spacing (m), which it knows too.
+fn evaluator(case: &Case) -> Result<(Evaluator, f64), CaseError> {
     let value = f64::from(case.dimension);
     in_range(
         "dimension",
@@ -156,10 +176,13 @@ fn evaluator(case: &Case) -> Result<Evaluator, CaseError> {
         spacing: None,
     };
     let spacing = bare.positive("particles.spacing", &case.particles.spacing)?;
-    Ok(Evaluator {
-        spacing: Some(spacing),
-        ..bare
-    })
+    Ok((
+        Evaluator {
+            spacing: Some(spacing),
+            ..bare
+        },
+        spacing,
+    ))
 }
 
 fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseError> {
@@ -171,7 +194,7 @@ fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseEr
         count <= usize::from(u16::MAX),
         "at most 65535 materials",
     )?;
-    let material = |(name, spec): (&String, &super::schema::MaterialSpec)| {
+    let material = |(name, spec): (&String, &MaterialSpec)| {
         let path = format!("materials.{name}");
         Ok(Material {
             name: name.clone(),
@@ -180,108 +203,6 @@ fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseEr
         })
     };
     case.materials.iter().map(material).collect()
-}
-
-fn particles(
-    case: &Case,
-    evaluator: &Evaluator,
-    spacing: f64,
-    warnings: &mut Vec<String>,
-) -> Result<(Domain, Particles), CaseError> {
-    let fills = fills(case, evaluator)?;
-    let Some(first) = fills.first() else {
-        return Err(CaseError::MissingKey {
-            path: "particles.fill[0]".to_owned(),
-        });
-    };
-    let origin = first.bounds.0;
-    let (min, max) = fills.iter().fold(first.bounds, |all, fill| {
-        (all.0.min(fill.bounds.0), all.1.max(fill.bounds.1))
-    });
-    let periodic = periodic(&case.boundaries, evaluator.dimension)?;
-    let domain = Domain { min, max, periodic };
-    check_whole(case, evaluator, &domain, &fills, warnings)?;
-    let lattice = Lattice {
-        origin,
-        spacing,
-        dimension: evaluator.dimension,
-    };
-    let particles = lattice.fill(&fills)?;
-    Ok((domain, particles))
-}
-
-fn fills(case: &Case, evaluator: &Evaluator) -> Result<Vec<Fill>, CaseError> {
-    let names: Vec<&String> = case.materials.keys().collect();
-    let fill = |(index, spec): (usize, &super::schema::FillSpec)| {
-        let path = format!("particles.fill[{index}]");
-        let shape_path = format!("{path}.shape");
-        let shape = spec.shape.resolve(evaluator, &shape_path)?;
-        let bounds = shape
-            .bounds()
-            .ok_or(CaseError::Unbounded { path: shape_path })?;
-        let material = names
-            .iter()
-            .position(|name| **name == spec.material)
-            .ok_or_else(|| {
-                let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
-                let nearest = nearest(&spec.material, &known, 1);
-                let (path, text) = (format!("{path}.material"), spec.material.clone());
-                CaseError::UnknownName {
-                    path,
-                    text,
-                    nearest,
-                    known,
-                }
-            })?;
-        Ok(Fill {
-            path,
-            shape,
-            bounds,
-            material: material as u16,
-        })
-    };
-    case.particles.fill.iter().enumerate().map(fill).collect()
-}
-
-/// Periodic axes must be whole multiples of the spacing; a box that is not one is worth a warning.
-fn check_whole(
-    case: &Case,
-    evaluator: &Evaluator,
-    domain: &Domain,
-    fills: &[Fill],
-    warnings: &mut Vec<String>,
-) -> Result<(), CaseError> {
-    let spacing = evaluator.spacing.unwrap_or_default();
-    let whole = |extent: f64| {
-        let count = extent / spacing;
-        (count - count.round()).abs() <= WHOLE * count.max(1.0)
-    };
-    for axis in 0..evaluator.dimension {
-        let extent = domain.extent()[axis];
-        if domain.periodic[axis] && !whole(extent) {
-            let fits = extent / (extent / spacing).round().max(1.0);
-            let path = "particles.spacing".to_owned();
-            return Err(CaseError::NotWhole {
-                path,
-                spacing,
-                axis: AXES[axis],
-                extent,
-                fits,
-            });
-        }
-        for (fill, spec) in fills.iter().zip(&case.particles.fill) {
-            let extent = (fill.bounds.1 - fill.bounds.0)[axis];
-            let is_box = matches!(spec.shape, ShapeSpec::Box { .. });
-            if is_box && !domain.periodic[axis] && !whole(extent) {
-                warnings.push(format!(
-                    "{}.shape.box: its {extent} m along {} are no whole number of spacings of \
-                     {spacing} m",
-                    fill.path, AXES[axis]
-                ));
-            }
-        }
-    }
-    Ok(())
 }
 
 fn kernel(
@@ -321,32 +242,6 @@ fn kernel(
     })
 }
 
-fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseError> {
-    let end = evaluator.not_negative("time.end", &case.time.end)?;
-    let step = match &case.time.step {
-        None => StepChoice::Automatic,
-        Some(number) => {
-            let step = evaluator.positive("time.step", number)?;
-            let requirement = format!("at most time.end, {end}");
-            StepChoice::Given(in_range("time.step", step, step <= end, &requirement)?)
-        }
-    };
-    let method = by_name("time.method", &case.time.method, &Method::ALL, Method::name)?;
-    let every = |key: &str, number: &Option<super::number::Number>, default: f64| match number {
-        None => Ok(default),
-        Some(number) => evaluator.positive(&format!("output.{key}"), number),
-    };
-    let output_every = every("every", &case.output.every, end)?;
-    let probe_every = every("probe_every", &case.output.probe_every, output_every)?;
-    Ok(TimePlan {
-        end,
-        step,
-        method,
-        output_every,
-        probe_every,
-    })
-}
-
 /// An exact expression must be finite at the end; a sample of the particles shows whether it is.
 fn try_out(field: &Field, position: &[DVec3], end: f64) -> Result<(), CaseError> {
     let stride = position.len().div_ceil(TRIALS).max(1);
@@ -354,85 +249,4 @@ fn try_out(field: &Field, position: &[DVec3], end: f64) -> Result<(), CaseError>
         .iter()
         .step_by(stride)
         .try_for_each(|&x| field.at(x, end).map(|_| ()))
-}
-
-fn probes(
-    case: &Case,
-    evaluator: &Evaluator,
-    domain: &Domain,
-    spacing: f64,
-) -> Result<Vec<Probe>, CaseError> {
-    let mut probes: Vec<Probe> = Vec::new();
-    for (index, spec) in case.probes.iter().enumerate() {
-        let path = format!("probes[{index}].at");
-        let at = evaluator.point(&path, &spec.at)?;
-        check_inside(&path, at, domain, evaluator, spacing)?;
-        if probes.iter().any(|probe| probe.name == spec.name) {
-            let path = format!("probes[{index}].name");
-            return Err(CaseError::Duplicate {
-                path,
-                text: spec.name.clone(),
-            });
-        }
-        probes.push(Probe {
-            name: spec.name.clone(),
-            at,
-        });
-    }
-    Ok(probes)
-}
-
-/// Refuses a point outside the domain.
-pub(super) fn check_inside(
-    path: &str,
-    at: DVec3,
-    domain: &Domain,
-    evaluator: &Evaluator,
-    spacing: f64,
-) -> Result<(), CaseError> {
-    let tolerance = DVec3::splat(super::fill::TOLERANCE * spacing);
-    let inside = at.cmpge(domain.min - tolerance) & at.cmple(domain.max + tolerance);
-    if inside.all() {
-        return Ok(());
-    }
-    let text = |x| show(x, evaluator.dimension);
-    let (min, max) = (text(domain.min), text(domain.max));
-    Err(CaseError::OutsideDomain {
-        path: path.to_owned(),
-        point: text(at),
-        min,
-        max,
-    })
-}
-
-/// Writes down what the file leaves to defaults, so that a later change of a default does not
-/// change what the resolved case means.
-fn fill_in_defaults(case: &mut Case) {
-    let output = &mut case.output;
-    if output.every.is_none() && !super::unused::is_zero(&case.time.end) {
-        output.every = Some(case.time.end.clone());
-    }
-    if output.probe_every.is_none() && !case.probes.is_empty() {
-        output.probe_every.clone_from(&output.every);
-    }
-    if output.fields.is_none() {
-        let with_exact = [OutputField::Value, OutputField::Exact, OutputField::Error];
-        let count = if case.exact.is_some() { 3 } else { 1 };
-        output.fields = Some(with_exact[..count].to_vec());
-    }
-}
-
-/// The fields to write, none twice.
-fn fields(case: &Case) -> Result<Vec<OutputField>, CaseError> {
-    let fields = case.output.fields.clone().unwrap_or_default();
-    for (index, field) in fields.iter().enumerate() {
-        if fields[..index].contains(field) {
-            let path = format!("output.fields[{index}]");
-            return Err(CaseError::Duplicate {
-                path,
-                text: format!("{field:?}").to_lowercase(),
-            });
-        }
-    }
-    Ok(fields)
 }

@@ -76,7 +76,9 @@ pub enum CaseError {
         reason: String,
     },
     /// A name that stands for nothing.
-    #[error("{path}: unknown name \"{text}\"{} (known: {})", did_you_mean(.nearest), .known.join(", "))]
+    #[error(
+        "{path}: unknown name \"{text}\"{} (known: {})",
+        did_you_mean(.nearest), .known.join(", "))]
     UnknownName {
         /// The value's path.
         path: String,
@@ -268,9 +270,14 @@ fn did_you_mean(nearest: &[String]) -> String {
 pub(super) fn nearest<S: AsRef<str>>(text: &str, known: &[S], count: usize) -> Vec<String> {
     /// Below this similarity (0 to 1) a suggestion would confuse.
     const SIMILAR: f64 = 0.72;
+    // One slip is similar in the shortest of names too, where the measure is not of much use.
+    let similarity = |name: &str| match strsim::osa_distance(text, name) {
+        0 | 1 => 1.0,
+        _ => strsim::jaro_winkler(text, name),
+    };
     let mut scored: Vec<(f64, &str)> = known
         .iter()
-        .map(|name| (strsim::jaro_winkler(text, name.as_ref()), name.as_ref()))
+        .map(|name| (similarity(name.as_ref()), name.as_ref()))
         .filter(|(score, _)| *score >= SIMILAR)
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -1,16 +1,16 @@
 //! The `exact` section: an analytic solution whose parameters default to what the scene says.
 
-use glam::DVec3;
+mod setting;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::CaseError;
-use super::number::{Evaluator, Field, Number, Point};
+use super::number::{Field, Number, Point, in_range};
 use super::schema::Axis;
-use crate::exact::{
-    HalfSpace, MassesInBox, PointSource, PointSourceInBox, Slab, Solution, ZeroFluxBox,
-};
-use crate::model::{Domain, Material};
+use crate::exact::{HalfSpace, MassesInBox, PointSource, PointSourceInBox, Slab, Solution};
+
+pub(super) use setting::Setting;
 
 /// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
 /// only material, the domain, the only deposit.
@@ -102,16 +102,6 @@ pub(super) enum ExactSpec {
     Expression { value: Number },
 }
 
-/// What the scene says about its exact solution.
-pub(super) struct Setting<'a> {
-    pub(super) evaluator: &'a Evaluator,
-    pub(super) domain: &'a Domain,
-    pub(super) spacing: f64,
-    pub(super) materials: &'a [Material],
-    /// Amount and place of every deposit.
-    pub(super) deposits: &'a [(f64, DVec3)],
-}
-
 /// The solution, and its expression where it is one (to be checked where particles are).
 pub(super) fn resolve(
     spec: &ExactSpec,
@@ -191,7 +181,7 @@ pub(super) fn resolve(
             let axis = setting.axis(*axis)?;
             let from = setting.number_or("from", from, setting.domain.min[axis])?;
             let to = setting.number_or("to", to, setting.domain.max[axis])?;
-            super::number::in_range("exact.to", to, to > from, "above exact.from")?;
+            in_range("exact.to", to, to > from, "above exact.from")?;
             Solution::Slab(Slab {
                 axis,
                 from,
@@ -224,108 +214,4 @@ pub(super) fn resolve(
         }
     };
     Ok((solution, None))
-}
-
-impl Setting<'_> {
-    fn given(&self, key: &str, number: &Number) -> Result<f64, CaseError> {
-        self.evaluator.number(&format!("exact.{key}"), number)
-    }
-
-    fn number_or(
-        &self,
-        key: &str,
-        number: &Option<Number>,
-        default: f64,
-    ) -> Result<f64, CaseError> {
-        number
-            .as_ref()
-            .map_or(Ok(default), |number| self.given(key, number))
-    }
-
-    fn positive_or(
-        &self,
-        key: &str,
-        number: &Option<Number>,
-        default: f64,
-    ) -> Result<f64, CaseError> {
-        let path = format!("exact.{key}");
-        number
-            .as_ref()
-            .map_or(Ok(default), |number| self.evaluator.positive(&path, number))
-    }
-
-    fn axis(&self, axis: Axis) -> Result<usize, CaseError> {
-        super::boundary::axis_index(axis, "exact.axis", self.evaluator.dimension)
-    }
-
-    fn diffusivity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
-        match (number, self.materials) {
-            (Some(number), _) => self.evaluator.positive("exact.diffusivity", number),
-            (None, [material]) => Ok(material.diffusivity),
-            (None, materials) => Err(undetermined(
-                "diffusivity",
-                format!("the case has {} materials", materials.len()),
-            )),
-        }
-    }
-
-    fn deposit(
-        &self,
-        amount: &Option<Number>,
-        at: &Option<Point>,
-    ) -> Result<(f64, DVec3), CaseError> {
-        let only = match self.deposits {
-            [only] => Some(*only),
-            _ => None,
-        };
-        let unknown = |key| {
-            undetermined(
-                key,
-                format!("the case has {} deposits", self.deposits.len()),
-            )
-        };
-        let amount = match (amount, only) {
-            (Some(amount), _) => self.given("amount", amount)?,
-            (None, Some((amount, _))) => amount,
-            (None, None) => return Err(unknown("amount")),
-        };
-        let at = match (at, only) {
-            (Some(at), _) => self.evaluator.point("exact.at", at)?,
-            (None, Some((_, at))) => at,
-            (None, None) => return Err(unknown("at")),
-        };
-        Ok((amount, at))
-    }
-
-    fn walls(
-        &self,
-        min: &Option<Point>,
-        max: &Option<Point>,
-        diffusivity: &Option<Number>,
-    ) -> Result<ZeroFluxBox, CaseError> {
-        let corner = |key: &str, corner: &Option<Point>, default| match corner {
-            Some(point) => self.evaluator.point(&format!("exact.{key}"), point),
-            None => Ok(default),
-        };
-        let min = corner("min", min, self.domain.min)?;
-        let max = corner("max", max, self.domain.max)?;
-        let dimension = self.evaluator.dimension;
-        for axis in 0..dimension {
-            let path = format!("exact.max[{axis}]");
-            super::number::in_range(&path, max[axis], max[axis] > min[axis], "above exact.min")?;
-        }
-        Ok(ZeroFluxBox {
-            dimension,
-            min,
-            max,
-            diffusivity: self.diffusivity(diffusivity)?,
-        })
-    }
-}
-
-fn undetermined(key: &str, reason: String) -> CaseError {
-    CaseError::Undetermined {
-        path: format!("exact.{key}"),
-        reason,
-    }
 }

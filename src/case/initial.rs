@@ -120,7 +120,7 @@ impl Ground<'_> {
         let amount = self.evaluator.number(&format!("{path}.amount"), amount)?;
         let at_path = format!("{path}.at");
         let at = self.evaluator.point(&at_path, at)?;
-        super::build::check_inside(&at_path, at, self.domain, self.evaluator, self.spacing)?;
+        super::plan::check_inside(&at_path, at, self.domain, self.evaluator, self.spacing)?;
         let nearest = self.nearest(at);
         let volume: f64 = nearest
             .iter()

@@ -154,7 +154,7 @@ pub(super) enum BoundarySpec {
     /// Particles whose value does not change.
     Held {
         #[serde(rename = "where")]
-        selection: ShapeSpec,
+        selection: Box<ShapeSpec>,
         /// The value, which may depend on x y z.
         value: Number,
     },

@@ -25,13 +25,10 @@ pub(super) enum ShapeSpec {
         to: Point,
         radius: Number,
     },
-    /// What lies between two concentric spheres; in 2-D a ring. `annulus` is the same.
-    #[serde(alias = "annulus")]
-    Shell {
-        center: Point,
-        inner_radius: Number,
-        outer_radius: Number,
-    },
+    /// What lies between two concentric spheres.
+    Shell(ShellSpec),
+    /// What lies between two concentric circles, in 2-D; in 3-D the same as a shell.
+    Annulus(ShellSpec),
     /// Everything on one side of a plane: the normal points out of the half space.
     HalfSpace { point: Point, normal: Point },
     /// What is in any of the shapes.
@@ -41,6 +38,15 @@ pub(super) enum ShapeSpec {
         of: Box<ShapeSpec>,
         minus: Vec<ShapeSpec>,
     },
+}
+
+/// Centre and radii of a shell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct ShellSpec {
+    center: Point,
+    inner_radius: Number,
+    outer_radius: Number,
 }
 
 /// A shape in numbers, m.
@@ -76,24 +82,19 @@ pub(super) enum Shape {
 impl ShapeSpec {
     /// Evaluates and checks the shape.
     pub(super) fn resolve(&self, evaluator: &Evaluator, path: &str) -> Result<Shape, CaseError> {
-        let wrong = |reason: &str| CaseError::Shape {
-            path: path.to_owned(),
-            reason: reason.to_owned(),
-        };
         let point = |key: &str, value| evaluator.point(&format!("{path}.{key}"), value);
         let positive = |key: &str, value| evaluator.positive(&format!("{path}.{key}"), value);
-        let dimension = evaluator.dimension;
         match self {
             Self::Box { min, max } => {
                 let (min, max) = (point("box.min", min)?, point("box.max", max)?);
-                if !min.cmple(max).all() {
-                    return Err(wrong("box.min must not exceed box.max on any axis"));
-                }
+                let ordered = min.cmple(max).all();
+                demand(ordered, path, "box.min must not exceed box.max on any axis")?;
                 Ok(Shape::Box { min, max })
             }
             Self::Sphere { center, radius } => {
                 let center = point("sphere.center", center)?;
                 let outer_radius = positive("sphere.radius", radius)?;
+                let dimension = evaluator.dimension;
                 Ok(Shape::Shell {
                     center,
                     inner_radius: -1.0,
@@ -101,60 +102,40 @@ impl ShapeSpec {
                     dimension,
                 })
             }
-            Self::Cylinder { .. } if dimension != 3 => Err(wrong(
-                "a cylinder needs dimension 3; use sphere, which is a disk in 2-D",
-            )),
             Self::Cylinder { from, to, radius } => {
+                let needs = "a cylinder needs dimension 3; use sphere, which is a disk in 2-D";
+                demand(evaluator.dimension == 3, path, needs)?;
                 let (from, to) = (point("cylinder.from", from)?, point("cylinder.to", to)?);
-                if from == to {
-                    return Err(wrong("cylinder.from and cylinder.to must differ"));
-                }
+                demand(
+                    from != to,
+                    path,
+                    "cylinder.from and cylinder.to must differ",
+                )?;
                 Ok(Shape::Cylinder {
                     from,
                     to,
                     radius: positive("cylinder.radius", radius)?,
                 })
             }
-            Self::Shell {
-                center,
-                inner_radius,
-                outer_radius,
-            } => {
-                let inner_path = format!("{path}.shell.inner_radius");
-                let inner_radius = evaluator.not_negative(&inner_path, inner_radius)?;
-                let outer_radius = positive("shell.outer_radius", outer_radius)?;
-                let narrower = inner_radius < outer_radius;
-                in_range(
-                    &inner_path,
-                    inner_radius,
-                    narrower,
-                    "below the outer radius",
-                )?;
-                let center = point("shell.center", center)?;
-                Ok(Shape::Shell {
-                    center,
-                    inner_radius,
-                    outer_radius,
-                    dimension,
-                })
-            }
+            Self::Shell(shell) => shell.resolve(evaluator, &format!("{path}.shell")),
+            Self::Annulus(shell) => shell.resolve(evaluator, &format!("{path}.annulus")),
             Self::HalfSpace {
                 point: foot,
                 normal,
             } => {
-                let normal = point("half_space.normal", normal)?;
-                let normal = normal
-                    .try_normalize()
-                    .ok_or_else(|| wrong("half_space.normal must not be zero"))?;
+                let normal = point("half_space.normal", normal)?.normalize_or_zero();
+                demand(
+                    normal != DVec3::ZERO,
+                    path,
+                    "half_space.normal must not be zero",
+                )?;
                 Ok(Shape::HalfSpace {
                     point: point("half_space.point", foot)?,
                     normal,
                 })
             }
             Self::Union(shapes) => {
-                if shapes.is_empty() {
-                    return Err(wrong("union needs at least one shape"));
-                }
+                demand(!shapes.is_empty(), path, "union needs at least one shape")?;
                 Ok(Shape::Union(resolve_all(
                     shapes,
                     evaluator,
@@ -170,6 +151,40 @@ impl ShapeSpec {
                 })
             }
         }
+    }
+}
+
+fn demand(holds: bool, path: &str, reason: &str) -> Result<(), CaseError> {
+    if holds {
+        return Ok(());
+    }
+    Err(CaseError::Shape {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    })
+}
+
+impl ShellSpec {
+    fn resolve(&self, evaluator: &Evaluator, path: &str) -> Result<Shape, CaseError> {
+        let inner_path = format!("{path}.inner_radius");
+        let inner_radius = evaluator.not_negative(&inner_path, &self.inner_radius)?;
+        let outer_path = format!("{path}.outer_radius");
+        let outer_radius = evaluator.positive(&outer_path, &self.outer_radius)?;
+        let narrower = inner_radius < outer_radius;
+        in_range(
+            &inner_path,
+            inner_radius,
+            narrower,
+            "below the outer radius",
+        )?;
+        let center = evaluator.point(&format!("{path}.center"), &self.center)?;
+        let dimension = evaluator.dimension;
+        Ok(Shape::Shell {
+            center,
+            inner_radius,
+            outer_radius,
+            dimension,
+        })
     }
 }
 
@@ -249,106 +264,6 @@ impl Shape {
                 })
             }
             Self::Difference { of, .. } => of.bounds(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    fn shape(json: serde_json::Value) -> Result<Shape, CaseError> {
-        let spec: ShapeSpec = serde_json::from_value(json).expect("shape");
-        spec.resolve(
-            &Evaluator {
-                dimension: 3,
-                spacing: Some(0.1),
-            },
-            "s",
-        )
-    }
-
-    #[test]
-    fn shapes_hold_what_they_should() {
-        let unit = json!({ "box": { "min": [0, 0, 0], "max": [1, 1, 1] } });
-        let ball = json!({ "sphere": { "center": [0, 0, 0], "radius": 1 } });
-        let tube = json!({ "cylinder": { "from": [0, 0, 0], "to": [0, 0, 2], "radius": 1 } });
-        let shell = json!({ "annulus": { "center": [0, 0, 0], "inner_radius": 1,
-            "outer_radius": 2 } });
-        let half = json!({ "half_space": { "point": [0.5, 0, 0], "normal": [2, 0, 0] } });
-        for (json, inside, outside) in [
-            (unit.clone(), [1.0, 0.0, 0.5], [1.1, 0.0, 0.5]),
-            (ball.clone(), [0.0, 0.0, 0.0], [0.8, 0.8, 0.0]),
-            (tube, [0.0, 1.0, 2.0], [0.0, 0.0, 2.1]),
-            (shell, [0.0, 1.0, 0.0], [0.0, 0.9, 0.0]),
-            (half.clone(), [-9.0, 5.0, 0.0], [0.6, 0.0, 0.0]),
-            (
-                json!({ "union": [unit.clone(), ball.clone()] }),
-                [-0.9, 0.0, 0.0],
-                [1.0, -1.0, 0.0],
-            ),
-            (
-                json!({ "difference": { "of": unit, "minus": [ball] } }),
-                [0.9, 0.9, 0.9],
-                [1.0, 0.0, 0.0],
-            ),
-        ] {
-            let shape = shape(json.clone()).expect("good");
-            assert!(shape.contains(inside.into(), 1e-10), "{json}");
-            assert!(!shape.contains(outside.into(), 1e-10), "{json}");
-        }
-    }
-
-    #[test]
-    fn bounds_enclose() {
-        let tilted = json!({ "cylinder": { "from": [0, 0, 0], "to": [1, 0, 0], "radius": 2 } });
-        let bounds = shape(tilted).expect("good").bounds().expect("bounded");
-        assert_eq!(
-            bounds,
-            (DVec3::new(0.0, -2.0, -2.0), DVec3::new(1.0, 2.0, 2.0))
-        );
-        let half = json!({ "half_space": { "point": [0.5, 0, 0], "normal": [2, 0, 0] } });
-        assert_eq!(shape(half.clone()).expect("good").bounds(), None);
-        let cut = json!({ "difference": { "of": { "sphere": { "center": [0, 0, 0], "radius": 1 } },
-            "minus": [half] } });
-        assert_eq!(
-            shape(cut).expect("good").bounds(),
-            Some((-DVec3::ONE, DVec3::ONE))
-        );
-    }
-
-    #[test]
-    fn contradictions_are_named() {
-        for (json, message) in [
-            (
-                json!({ "box": { "min": [0, 2, 0], "max": [1, 1, 1] } }),
-                "s: box.min must not",
-            ),
-            (
-                json!({ "sphere": { "center": [0, 0, 0], "radius": 0 } }),
-                "s.sphere.radius: is 0,",
-            ),
-            (
-                json!({ "sphere": { "center": [0, 0], "radius": 1 } }),
-                "s.sphere.center: has 2 ",
-            ),
-            (
-                json!({ "cylinder": { "from": [0, 0, 0], "to": [0, 0, 0], "radius": 1 } }),
-                "s: cylinder.from and",
-            ),
-            (
-                json!({ "shell": { "center": [0, 0, 0], "inner_radius": 3, "outer_radius": 2 } }),
-                "s.shell.inner_radius: is 3,",
-            ),
-            (
-                json!({ "half_space": { "point": [0, 0, 0], "normal": [0, 0, 0] } }),
-                "s: half_space.normal must",
-            ),
-            (json!({ "union": [] }), "s: union needs"),
-        ] {
-            let found = shape(json).expect_err(message).to_string();
-            assert!(found.starts_with(message), "{found}");
         }
     }
 }

@@ -59,7 +59,8 @@ fn take_out(case: &mut Case) -> Vec<Unused> {
     let mut drop = |path: String, reason: &'static str| found.push(Unused { path, reason });
     let fills = &case.particles.fill;
     case.materials.retain(|name, _| {
-        let used = fills.iter().any(|fill| fill.material == *name);
+        // A case without fills has another fault, which is found later.
+        let used = fills.is_empty() || fills.iter().any(|fill| fill.material == *name);
         if !used {
             drop(format!("materials.{name}"), "no fill is made of it");
         }

@@ -49,8 +49,8 @@ impl ZeroFluxBox {
 
 /// Mirror images, for L = D = 1.
 pub(super) fn images(x: f64, mass: f64, time: f64) -> f64 {
-    // A mass is at most 1 away, its images of order n at least 2 n - 1.
-    let exponent = |order: f64| ((2.0 * order - 1.0).powi(2) - 1.0) / (4.0 * time);
+    // Image n is worst for x = mass = 1, where it is 2 n - 2 away and the mass itself 0.
+    let exponent = |order: f64| (order - 1.0).powi(2) / time;
     let mut orders = 1;
     while exponent(f64::from(orders)) < NEGLIGIBLE_EXPONENT {
         orders += 1;

@@ -1,0 +1,124 @@
+//! What a scene gives to its exact solution.
+
+use glam::DVec3;
+
+use crate::case::boundary::axis_index;
+use crate::case::error::CaseError;
+use crate::case::number::{Evaluator, Number, Point, in_range};
+use crate::case::schema::Axis;
+use crate::exact::ZeroFluxBox;
+use crate::model::{Domain, Material};
+
+/// What the scene says about its exact solution.
+pub(in crate::case) struct Setting<'a> {
+    pub(in crate::case) evaluator: &'a Evaluator,
+    pub(in crate::case) domain: &'a Domain,
+    pub(in crate::case) spacing: f64,
+    pub(in crate::case) materials: &'a [Material],
+    /// Amount and place of every deposit.
+    pub(in crate::case) deposits: &'a [(f64, DVec3)],
+}
+
+impl Setting<'_> {
+    pub(super) fn given(&self, key: &str, number: &Number) -> Result<f64, CaseError> {
+        self.evaluator.number(&format!("exact.{key}"), number)
+    }
+
+    pub(super) fn number_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        default: f64,
+    ) -> Result<f64, CaseError> {
+        number
+            .as_ref()
+            .map_or(Ok(default), |number| self.given(key, number))
+    }
+
+    pub(super) fn positive_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        default: f64,
+    ) -> Result<f64, CaseError> {
+        let path = format!("exact.{key}");
+        number
+            .as_ref()
+            .map_or(Ok(default), |number| self.evaluator.positive(&path, number))
+    }
+
+    pub(super) fn axis(&self, axis: Axis) -> Result<usize, CaseError> {
+        axis_index(axis, "exact.axis", self.evaluator.dimension)
+    }
+
+    pub(super) fn diffusivity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
+        match (number, self.materials) {
+            (Some(number), _) => self.evaluator.positive("exact.diffusivity", number),
+            (None, [material]) => Ok(material.diffusivity),
+            (None, materials) => Err(undetermined(
+                "diffusivity",
+                format!("the case has {} materials", materials.len()),
+            )),
+        }
+    }
+
+    pub(super) fn deposit(
+        &self,
+        amount: &Option<Number>,
+        at: &Option<Point>,
+    ) -> Result<(f64, DVec3), CaseError> {
+        let only = match self.deposits {
+            [only] => Some(*only),
+            _ => None,
+        };
+        let unknown = |key| {
+            undetermined(
+                key,
+                format!("the case has {} deposits", self.deposits.len()),
+            )
+        };
+        let amount = match (amount, only) {
+            (Some(amount), _) => self.given("amount", amount)?,
+            (None, Some((amount, _))) => amount,
+            (None, None) => return Err(unknown("amount")),
+        };
+        let at = match (at, only) {
+            (Some(at), _) => self.evaluator.point("exact.at", at)?,
+            (None, Some((_, at))) => at,
+            (None, None) => return Err(unknown("at")),
+        };
+        Ok((amount, at))
+    }
+
+    pub(super) fn walls(
+        &self,
+        min: &Option<Point>,
+        max: &Option<Point>,
+        diffusivity: &Option<Number>,
+    ) -> Result<ZeroFluxBox, CaseError> {
+        let corner = |key: &str, corner: &Option<Point>, default| match corner {
+            Some(point) => self.evaluator.point(&format!("exact.{key}"), point),
+            None => Ok(default),
+        };
+        let min = corner("min", min, self.domain.min)?;
+        let max = corner("max", max, self.domain.max)?;
+        let dimension = self.evaluator.dimension;
+        for axis in 0..dimension {
+            let path = format!("exact.max[{axis}]");
+            in_range(&path, max[axis], max[axis] > min[axis], "above exact.min")?;
+        }
+        Ok(ZeroFluxBox {
+            dimension,
+            min,
+            max,
+            diffusivity: self.diffusivity(diffusivity)?,
+        })
+    }
+}
+
+fn undetermined(key: &str, reason: String) -> CaseError {
+    CaseError::Undetermined {
+        path: format!("exact.{key}"),
+        reason,
+    }
+}

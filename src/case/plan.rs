@@ -1,0 +1,122 @@
+//! The `time`, `probes` and `output` sections.
+
+use glam::DVec3;
+
+use super::OutputField;
+use super::build::by_name;
+use super::error::CaseError;
+use super::fill::TOLERANCE;
+use super::number::{Evaluator, Number, in_range, show};
+use super::schema::Case;
+use super::unused::is_zero;
+use crate::model::integrator::Method;
+use crate::model::{Domain, Probe, StepChoice, TimePlan};
+
+/// Duration, step, method and output times.
+pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseError> {
+    let end = evaluator.not_negative("time.end", &case.time.end)?;
+    let step = match &case.time.step {
+        None => StepChoice::Automatic,
+        Some(number) => {
+            let step = evaluator.positive("time.step", number)?;
+            let requirement = format!("at most time.end, {end}");
+            StepChoice::Given(in_range("time.step", step, step <= end, &requirement)?)
+        }
+    };
+    let method = by_name("time.method", &case.time.method, &Method::ALL, Method::name)?;
+    let every = |key: &str, number: &Option<Number>, default: f64| match number {
+        None => Ok(default),
+        Some(number) => evaluator.positive(&format!("output.{key}"), number),
+    };
+    let output_every = every("every", &case.output.every, end)?;
+    let probe_every = every("probe_every", &case.output.probe_every, output_every)?;
+    Ok(TimePlan {
+        end,
+        step,
+        method,
+        output_every,
+        probe_every,
+    })
+}
+
+/// The probes: inside the domain, no name twice.
+pub(super) fn probes(
+    case: &Case,
+    evaluator: &Evaluator,
+    domain: &Domain,
+    spacing: f64,
+) -> Result<Vec<Probe>, CaseError> {
+    let mut probes: Vec<Probe> = Vec::new();
+    for (index, spec) in case.probes.iter().enumerate() {
+        let path = format!("probes[{index}].at");
+        let at = evaluator.point(&path, &spec.at)?;
+        check_inside(&path, at, domain, evaluator, spacing)?;
+        if probes.iter().any(|probe| probe.name == spec.name) {
+            let path = format!("probes[{index}].name");
+            return Err(CaseError::Duplicate {
+                path,
+                text: spec.name.clone(),
+            });
+        }
+        probes.push(Probe {
+            name: spec.name.clone(),
+            at,
+        });
+    }
+    Ok(probes)
+}
+
+/// Refuses a point outside the domain.
+pub(super) fn check_inside(
+    path: &str,
+    at: DVec3,
+    domain: &Domain,
+    evaluator: &Evaluator,
+    spacing: f64,
+) -> Result<(), CaseError> {
+    let tolerance = DVec3::splat(TOLERANCE * spacing);
+    let inside = at.cmpge(domain.min - tolerance) & at.cmple(domain.max + tolerance);
+    if inside.all() {
+        return Ok(());
+    }
+    let text = |x| show(x, evaluator.dimension);
+    let (min, max) = (text(domain.min), text(domain.max));
+    Err(CaseError::OutsideDomain {
+        path: path.to_owned(),
+        point: text(at),
+        min,
+        max,
+    })
+}
+
+/// Writes down what the file leaves to defaults, so that a later change of a default does not
+/// change what the resolved case means.
+pub(super) fn fill_in_defaults(case: &mut Case) {
+    let output = &mut case.output;
+    if output.every.is_none() && !is_zero(&case.time.end) {
+        output.every = Some(case.time.end.clone());
+    }
+    if output.probe_every.is_none() && !case.probes.is_empty() {
+        output.probe_every.clone_from(&output.every);
+    }
+    if output.fields.is_none() {
+        let with_exact = [OutputField::Value, OutputField::Exact, OutputField::Error];
+        let count = if case.exact.is_some() { 3 } else { 1 };
+        output.fields = Some(with_exact[..count].to_vec());
+    }
+}
+
+/// The fields to write, none twice.
+pub(super) fn fields(case: &Case) -> Result<Vec<OutputField>, CaseError> {
+    let fields = case.output.fields.clone().unwrap_or_default();
+    for (index, field) in fields.iter().enumerate() {
+        if fields[..index].contains(field) {
+            let path = format!("output.fields[{index}]");
+            return Err(CaseError::Duplicate {
+                path,
+                text: format!("{field:?}").to_lowercase(),
+            });
+        }
+    }
+    Ok(fields)
+}
