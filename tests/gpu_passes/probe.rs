@@ -86,8 +86,8 @@ fn wrong_values(choices: &Choices, perturbation: f64) -> usize {
     let terms = terms(choices.kernel);
     let is_off = |got: f64, expected: f64, terms: f64| {
         let tolerance = unit * expected.abs().max(terms);
-        // Written so that a NaN is wrong.
-        !((got - expected).abs() <= tolerance)
+        let off = (got - expected).abs();
+        off > tolerance || off.is_nan()
     };
     let mut wrong = 0;
     for (i, &[q, other]) in probed.arguments.iter().enumerate() {

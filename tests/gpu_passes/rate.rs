@@ -42,8 +42,10 @@ fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) ->
     let epsilon = backend.choices().real().epsilon();
     let expected = brute_force(expected, epsilon);
     assert_eq!(rate.as_ref().len(), expected.len());
-    let wrong =
-        |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| !((got - sum).abs() <= tolerance);
+    let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| {
+        let off = (got - sum).abs();
+        off > tolerance || off.is_nan()
+    };
     rate.as_ref().iter().zip(&expected).filter(wrong).count()
 }
 
