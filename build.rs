@@ -6,5 +6,6 @@
 )]
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=cases");
     println!("cargo::rerun-if-changed=shaders");
 }

@@ -1,6 +1,5 @@
 //! The physics in f64: no wgpu, no input or output.
 
-pub mod cells;
 pub mod field;
 pub mod integrator;
 pub mod interpolation;
@@ -14,6 +13,7 @@ pub mod problem;
 #[cfg(test)]
 pub(crate) mod scenes;
 pub mod stability;
+pub mod sum;
 
 pub use field::ScalarField;
 pub use kernel::{Kernel, KernelKind};

@@ -2,35 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::model::sum::CompensatedSum;
+
 /// Terms that one thread adds before it hands its sum over. Fixed, so that the order of the
 /// additions, and with it the last bit of the result, does not depend on the number of threads.
 const CHUNK: usize = 1 << 15;
-
-/// A running sum with Neumaier's compensation: the rounding error of every addition is kept and
-/// added at the end, so the result of 1e8 terms is as good as that of a few.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CompensatedSum {
-    sum: f64,
-    lost: f64,
-}
-
-impl CompensatedSum {
-    /// Adds one term.
-    pub fn add(&mut self, term: f64) {
-        let sum = self.sum + term;
-        self.lost += if self.sum.abs() >= term.abs() {
-            (self.sum - sum) + term
-        } else {
-            (term - sum) + self.sum
-        };
-        self.sum = sum;
-    }
-
-    /// The sum of the terms so far. Not finite as soon as one term was not.
-    pub fn value(self) -> f64 {
-        self.sum + self.lost
-    }
-}
 
 /// Sums `N` quantities over the indices `0..len` in one sweep; `terms` gives those of one index.
 pub(crate) fn sum_over<const N: usize>(
@@ -52,8 +28,7 @@ pub(crate) fn sum_over<const N: usize>(
     let mut whole = [CompensatedSum::default(); N];
     for sums in partial {
         for (total, part) in whole.iter_mut().zip(sums) {
-            total.add(part.sum);
-            total.add(part.lost);
+            total.merge(part);
         }
     }
     whole.map(CompensatedSum::value)

@@ -6,6 +6,7 @@ use super::{Backend, SolverError};
 use crate::model::Problem;
 use crate::model::neighbors::CellGrid;
 use crate::model::operator::rows::{Rows, Survey, assemble};
+use crate::model::sum::CompensatedSum;
 
 /// Rows that one parallel task advances.
 const ROWS_PER_TASK: usize = 8192;
@@ -43,30 +44,6 @@ struct Held {
     rank: Vec<u32>,
     volume: Vec<f64>,
     exchange: CompensatedSum,
-}
-
-/// A running sum that carries its rounding error along (Neumaier 1974).
-#[derive(Clone, Copy, Default)]
-struct CompensatedSum {
-    sum: f64,
-    lost: f64,
-}
-
-impl CompensatedSum {
-    fn add(&mut self, term: f64) {
-        let sum = self.sum + term;
-        let (large, small) = if self.sum.abs() >= term.abs() {
-            (self.sum, term)
-        } else {
-            (term, self.sum)
-        };
-        self.lost += (large - sum) + small;
-        self.sum = sum;
-    }
-
-    fn total(self) -> f64 {
-        self.sum + self.lost
-    }
 }
 
 impl CpuBackend {
@@ -192,7 +169,7 @@ impl Backend for CpuBackend {
     }
 
     fn exchange(&mut self) -> Result<f64, SolverError> {
-        Ok(self.held.as_ref().map_or(0.0, |held| held.exchange.total()))
+        Ok(self.held.as_ref().map_or(0.0, |held| held.exchange.value()))
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {

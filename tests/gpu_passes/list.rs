@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use diffusph::model::cells::CellGrid;
+use diffusph::model::neighbors::CellLayout;
 use diffusph::model::{Domain, KernelKind, Problem};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::{GpuBackend, Sorted};
@@ -29,17 +29,17 @@ fn random_scene(cells: [u32; 3], periodic: [bool; 3], count: usize, fraction: f6
 }
 
 /// Coordinates of the cell of a particle, by division alone.
-fn cell_of(grid: &CellGrid, position: DVec3) -> [i64; 3] {
+fn cell_of(grid: &CellLayout, position: DVec3) -> [i64; 3] {
     let at = (position / grid.size).floor();
     [0, 1, 2].map(|axis| (at[axis] as i64).min(i64::from(grid.cells[axis]) - 1))
 }
 
-fn id_of(grid: &CellGrid, at: [i64; 3]) -> i64 {
+fn id_of(grid: &CellLayout, at: [i64; 3]) -> i64 {
     (at[2] * i64::from(grid.cells[1]) + at[1]) * i64::from(grid.cells[0]) + at[0]
 }
 
 /// Particles by cell and then by index, and the first place of each cell.
-fn expected_order(grid: &CellGrid, positions: &[DVec3]) -> (Vec<u32>, Vec<u32>) {
+fn expected_order(grid: &CellLayout, positions: &[DVec3]) -> (Vec<u32>, Vec<u32>) {
     let id: Vec<i64> = positions
         .iter()
         .map(|&x| id_of(grid, cell_of(grid, x)))
@@ -67,7 +67,7 @@ fn steps(at: i64, cells: i64, periodic: bool) -> Vec<i64> {
 }
 
 /// Neighbours of every particle in the order that the device should find them.
-fn expected_neighbors(problem: &Problem, grid: &CellGrid) -> Vec<Vec<u32>> {
+fn expected_neighbors(problem: &Problem, grid: &CellLayout) -> Vec<Vec<u32>> {
     let positions = &problem.particles.position;
     let (order, starts) = expected_order(grid, positions);
     let cells = grid.cells.map(i64::from);
@@ -97,8 +97,8 @@ fn is_neighbor(problem: &Problem, a: usize, b: usize) -> bool {
     a != b && apart.length() < problem.kernel.cutoff()
 }
 
-fn grid_of(problem: &Problem) -> CellGrid {
-    CellGrid::new(&problem.domain, &problem.kernel, problem.particles.len())
+fn grid_of(problem: &Problem) -> CellLayout {
+    CellLayout::of(problem)
 }
 
 fn found_neighbors(problem: &Problem, precision: Precision) -> Vec<Vec<u32>> {

@@ -43,11 +43,11 @@ impl<'a> CellGrid<'a> {
             .par_iter()
             .map(|&x| layout.index(layout.coordinates(x)) as u32)
             .collect();
-        let mut start = vec![0_u32; layout.len() + 1];
+        let mut start = vec![0_u32; layout.count() + 1];
         for &c in &cell {
             start[c as usize + 1] += 1;
         }
-        for c in 0..layout.len() {
+        for c in 0..layout.count() {
             start[c + 1] += start[c];
         }
         let mut next = start.clone();

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::model::Domain;
+use crate::model::{Domain, Problem};
 
 /// A box of cells, each at least one cutoff wide, so that all neighbours of a particle are in its
 /// own cell or in one that touches it.
@@ -16,11 +16,23 @@ pub struct CellLayout {
     pub size: DVec3,
 }
 
+/// Where a particle is among the cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellPlace {
+    /// The cell's index.
+    pub cell: u32,
+    /// Offset from the cell's lower corner, in cells: within [0, 1] but for particles beyond the
+    /// edge of an open axis. Its accuracy does not depend on the distance from the origin.
+    pub offset: DVec3,
+}
+
 /// Cells allowed for each particle: a sparse scene gets larger cells instead of a grid that no
 /// memory holds.
 const CELLS_PER_PARTICLE: u64 = 2;
 /// Cells allowed in any scene.
 const CELLS_FLOOR: u64 = 64;
+/// Cells in any scene at most, so that a cell's index fits into 32 bits.
+const CELLS_CEILING: u64 = 1 << 31;
 
 impl CellLayout {
     /// Cells for `particles` particles in `domain`, none narrower than `cutoff` (m, positive).
@@ -28,7 +40,7 @@ impl CellLayout {
         let extent = domain.extent();
         let limit = (particles as u64)
             .saturating_mul(CELLS_PER_PARTICLE)
-            .max(CELLS_FLOOR);
+            .clamp(CELLS_FLOOR, CELLS_CEILING);
         let mut width = cutoff;
         loop {
             let mut cells = [1_u32; 3];
@@ -59,14 +71,20 @@ impl CellLayout {
         size
     }
 
-    /// How many cells there are.
-    pub fn len(&self) -> usize {
-        self.cells.iter().map(|&c| c as usize).product()
+    /// The cells of a scene: none narrower than its kernel's cutoff.
+    pub fn of(problem: &Problem) -> Self {
+        let particles = problem.particles.len();
+        Self::new(
+            &problem.domain,
+            problem.dimension,
+            problem.kernel.cutoff(),
+            particles,
+        )
     }
 
-    /// Whether there is none; never the case.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// How many cells there are.
+    pub fn count(&self) -> usize {
+        self.cells.iter().map(|&c| c as usize).product()
     }
 
     /// The cell of position `x`, as coordinates; positions outside count to the outermost cells.
@@ -77,6 +95,23 @@ impl CellLayout {
                 .floor()
                 .clamp(0.0, f64::from(self.cells[axis] - 1)) as u32
         })
+    }
+
+    /// The place of `position` (m), wrapped round periodic axes.
+    pub fn place(&self, position: DVec3) -> CellPlace {
+        let extent = self.domain.extent();
+        let mut inside = position - self.domain.min;
+        for axis in 0..3 {
+            if self.domain.periodic[axis] && extent[axis] > 0.0 {
+                inside[axis] -= extent[axis] * (inside[axis] / extent[axis]).floor();
+            }
+        }
+        let coordinates = self.coordinates(self.domain.min + inside);
+        let corner = DVec3::from_array(coordinates.map(f64::from));
+        CellPlace {
+            cell: self.index(coordinates) as u32,
+            offset: inside / self.size - corner,
+        }
     }
 
     /// The index of the cell at `coordinates`: x runs fastest.
@@ -121,5 +156,31 @@ impl CellLayout {
             (true, _) => [Some((c + n - 1) % n), Some(c), Some((c + 1) % n)],
             (false, _) => [c.checked_sub(1), Some(c), (c + 1 < n).then_some(c + 1)],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(max: DVec3, periodic: [bool; 3]) -> CellLayout {
+        let min = DVec3::ZERO;
+        CellLayout::new(&Domain { min, max, periodic }, 3, 0.999_999, 1000)
+    }
+
+    #[test]
+    fn cells_are_never_narrower_than_the_cutoff() {
+        let dense = layout(DVec3::new(3.7, 2.0, 0.2), [false, true, false]);
+        assert_eq!(dense.cells, [3, 2, 1]);
+        assert_eq!(dense.size, DVec3::new(3.7 / 3.0, 1.0, 0.2));
+    }
+
+    #[test]
+    fn a_place_gives_the_position_back() {
+        let layout = layout(DVec3::splat(4.0), [true, false, false]);
+        let place = layout.place(DVec3::new(-0.25, 5.5, 3.75));
+        assert_eq!(place.cell, (3 * 4 + 3) * 4 + 3);
+        assert_eq!(place.offset, DVec3::new(0.75, 2.5, 0.75));
+        assert_ne!(place, layout.place(DVec3::new(0.25, 5.5, 3.75)));
     }
 }

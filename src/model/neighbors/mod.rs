@@ -4,4 +4,4 @@ mod grid;
 mod layout;
 
 pub use grid::{CellGrid, Neighbor, Scratch};
-pub use layout::CellLayout;
+pub use layout::{CellLayout, CellPlace};

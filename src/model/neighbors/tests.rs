@@ -18,7 +18,7 @@ fn brute_force(domain: &Domain, position: &[DVec3], cutoff: f64) -> Vec<Vec<usiz
 fn by_grid(grid: &CellGrid<'_>, cutoff: f64) -> Vec<Vec<usize>> {
     let mut lists = vec![Vec::new(); grid.order().len()];
     let mut scratch = Scratch::default();
-    for cell in 0..grid.layout().len() {
+    for cell in 0..grid.layout().count() {
         grid.for_each_row(
             cell,
             cutoff,
@@ -125,7 +125,7 @@ fn the_sort_is_a_stable_permutation() {
     let mut seen = grid.order().to_vec();
     seen.sort_unstable();
     assert!(seen.iter().enumerate().all(|(i, &p)| i as u32 == p));
-    for cell in 0..grid.layout().len() {
+    for cell in 0..grid.layout().count() {
         let members = &grid.order()[grid.ranks(cell)];
         assert!(members.windows(2).all(|pair| pair[0] < pair[1]));
         let inside = |&p: &u32| {
@@ -140,7 +140,7 @@ fn the_sort_is_a_stable_permutation() {
 #[test]
 fn a_sparse_scene_does_not_ask_for_more_cells_than_it_can_use() {
     let region = domain(3, DVec3::splat(1e6), [false; 3]);
-    assert!(CellLayout::new(&region, 3, 1.0, 1000).len() <= 2000);
+    assert!(CellLayout::new(&region, 3, 1.0, 1000).count() <= 2000);
     let none = CellGrid::new(CellLayout::new(&region, 3, 1.0, 0), &[]);
     assert!(none.order().is_empty());
 }

@@ -41,10 +41,7 @@ pub struct Rows {
 
 /// Sorts the particles of `problem` into cells no smaller than the kernel's cutoff.
 pub fn cell_grid(problem: &Problem) -> CellGrid<'_> {
-    let position = &problem.particles.position;
-    let cutoff = problem.kernel.cutoff();
-    let layout = CellLayout::new(&problem.domain, problem.dimension, cutoff, position.len());
-    CellGrid::new(layout, position)
+    CellGrid::new(CellLayout::of(problem), &problem.particles.position)
 }
 
 /// Walks over all pairs once; see [`Survey`].
@@ -222,7 +219,7 @@ fn fill(
 /// The cells in equal runs, one a parallel task. They do not depend on the number of threads, so
 /// that neither do results.
 fn tasks(grid: &CellGrid<'_>) -> Vec<std::ops::Range<usize>> {
-    let cells = grid.layout().len();
+    let cells = grid.layout().count();
     (0..cells)
         .step_by(CELLS_PER_TASK)
         .map(|first| first..(first + CELLS_PER_TASK).min(cells))

@@ -3,7 +3,6 @@
 //!
 //! State lives in sorted order on the device; the problem's order is restored on reading back.
 
-mod coincident;
 mod list;
 pub mod passes;
 mod scaling;
@@ -15,7 +14,7 @@ use std::collections::BTreeSet;
 use super::{Backend, Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
-use crate::model::cells::CellGrid;
+use crate::model::neighbors::CellLayout;
 
 use list::List;
 pub use passes::Choices;
@@ -101,8 +100,7 @@ impl GpuBackend {
         let choices = choices(problem, &scaling, options);
         device.require(choices.real())?;
         let particles = &problem.particles;
-        let cells = CellGrid::new(&problem.domain, &problem.kernel, particles.len());
-        coincident::check(problem, &cells, choices.real())?;
+        let cells = CellLayout::of(problem);
         let support_radius = problem.kernel.support_radius();
         let sorted = Sorted::new(
             device,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::passes::{Choices, GRID};
 use crate::gpu::{Buffer, Device, GpuError, Scan};
-use crate::model::cells::CellGrid;
+use crate::model::neighbors::CellLayout;
 
 /// Particles sorted by cell, and inside a cell by index.
 ///
@@ -33,7 +33,7 @@ impl Sorted {
     pub fn new(
         device: &Device,
         choices: &Choices,
-        cells: &CellGrid,
+        cells: &CellLayout,
         positions: &[DVec3],
         support_radius: f64,
         weight_scale: f64,
@@ -52,7 +52,7 @@ impl Sorted {
             grid: device.block("cell grid", &contents)?,
             offset: device.storage("offsets", reals)?,
             cell: device.storage("cells of particles", 4 * count)?,
-            cell_start: device.storage("cell starts", 4 * (u64::from(cells.count()) + 1))?,
+            cell_start: device.storage("cell starts", 4 * (cells.count() as u64 + 1))?,
             order: Vec::new(),
         };
         sorted.sort(device, choices, &scratch, count)?;
@@ -108,7 +108,7 @@ impl Scratch {
     fn new(
         device: &Device,
         choices: &Choices,
-        cells: &CellGrid,
+        cells: &CellLayout,
         positions: &[DVec3],
     ) -> Result<Self, GpuError> {
         let mut offset = Vec::with_capacity(positions.len() * choices.dimension);
@@ -122,7 +122,7 @@ impl Scratch {
         Ok(Self {
             offset: device.storage_with("offsets", &choices.real().to_bytes(&offset))?,
             cell: device.storage_with("cells of particles", bytemuck::cast_slice(&cell))?,
-            taken: device.storage("places taken", 4 * u64::from(cells.count()))?,
+            taken: device.storage("places taken", 4 * cells.count() as u64)?,
             scattered: device.storage("scattered particles", bytes)?,
             order: device.storage("order", bytes)?,
         })
