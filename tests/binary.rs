@@ -126,25 +126,14 @@ fn the_moment_correction_cures_the_gaussian() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let error = |correction: &str| {
         let set = format!("operator.correction={correction}");
-        let flags = [
-            "gaussian_small",
-            "--backend",
-            "cpu",
-            "--no-output",
-            "--set",
-            &set,
-        ];
-        number(&report(folder.path(), &flags), "/error/l2_relative")
+        // Fine enough for the operator's bias to stand out from the error of the spacing.
+        let fine = ["--set", "particles.spacing=1", "--set", "time.step=116800"];
+        let flags = ["gaussian_small", "--backend", "cpu", "--no-output", "--set", &set];
+        number(&report(folder.path(), &[&flags[..], &fine].concat()), "/error/l2_relative")
     };
     let (plain, corrected) = (error("none"), error("moment"));
-    assert!(
-        corrected < 0.5 * plain,
-        "plain {plain:e}, corrected {corrected:e}"
-    );
-    assert!(
-        !folder.path().join("out").exists(),
-        "--no-output writes nothing"
-    );
+    assert!(corrected < 0.25 * plain, "plain {plain:e}, corrected {corrected:e}");
+    assert!(!folder.path().join("out").exists(), "--no-output writes nothing");
 }
 
 #[test]

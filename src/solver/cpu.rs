@@ -83,9 +83,13 @@ impl CpuBackend {
         }
         let (rows, state) = (&self.rows, &self.state);
         let advance = |first: usize, new: &mut [f64]| {
-            for (rank, new) in (first..).zip(new) {
-                *new = state[rank] + dt * rows.rate(rank, state);
-            }
+            let count = new.len();
+            rows.rates(
+                first,
+                state,
+                |rank, rate| new[rank - first] = state[rank] + dt * rate,
+                count,
+            );
         };
         if self.next.len() < SERIAL_ROWS {
             advance(0, &mut self.next);

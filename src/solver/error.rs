@@ -115,3 +115,24 @@ impl SolverError {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::KernelKind;
+    use crate::model::operator::rows::{cell_grid, survey};
+    use crate::model::scenes::lattice;
+
+    #[test]
+    fn coincident_particles_are_refused_where_the_kernel_diverges() {
+        for (kind, refused) in [(KernelKind::Hat, true), (KernelKind::CubicSpline, false)] {
+            let mut problem = lattice(kind, 1, [9, 1, 1], 1.0, 2.0);
+            let check = |problem: &Problem| {
+                SolverError::check_coincident(problem, &survey(problem, &cell_grid(problem)))
+            };
+            assert!(check(&problem).is_ok());
+            problem.particles.position[6] = problem.particles.position[2];
+            assert_eq!(check(&problem).is_err(), refused, "{kind:?}");
+        }
+    }
+}

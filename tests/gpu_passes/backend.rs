@@ -1,10 +1,9 @@
 use diffusph::model::operator::PairWeight;
-use diffusph::model::{Domain, KernelKind, Problem};
+use diffusph::model::{KernelKind, Problem};
 use diffusph::solver::gpu::{GpuBackend, GpuOptions};
-use diffusph::solver::{Backend, Precision, SolverError};
-use glam::DVec3;
+use diffusph::solver::{Backend, Precision};
 
-use crate::support::{device, random_lattice, scene};
+use crate::support::{device, random_lattice};
 
 /// A step well below the stability limit of [`random_lattice`], s.
 const STEP: f64 = 5e-3;
@@ -193,30 +192,4 @@ fn no_particle_and_one_particle_work() {
             assert!(backend.is_finite().expect("check"));
         }
     }
-}
-
-#[test]
-fn coincident_particles_are_refused_where_the_kernel_diverges() {
-    let domain = Domain {
-        min: DVec3::ZERO,
-        max: DVec3::new(10.0, 0.0, 0.0),
-        periodic: [true, false, false],
-    };
-    let at = |x: [f64; 4]| x.map(|x| DVec3::new(x, 0.0, 0.0)).to_vec();
-    let same = at([1.0, 3.5, 2.0, 3.5]);
-    let round_the_edge = at([1.0, 0.0, 2.0, 10.0]);
-    for positions in [same, round_the_edge] {
-        let hat = scene(KernelKind::Hat, 2.0, domain, 1, positions.clone());
-        let outcome = GpuBackend::new(&hat, STEP, device(), Precision::F32);
-        let refused = matches!(
-            outcome,
-            Err(SolverError::CoincidentParticles { a: 1, b: 3, .. })
-        );
-        assert!(refused);
-        let spline = scene(KernelKind::CubicSpline, 2.0, domain, 1, positions);
-        GpuBackend::new(&spline, STEP, device(), Precision::F32).expect("finite weights");
-    }
-    let apart = at([1.0, 3.5, 2.0, 4.5]);
-    let hat = scene(KernelKind::Hat, 2.0, domain, 1, apart);
-    GpuBackend::new(&hat, STEP, device(), Precision::F32).expect("no two coincide");
 }

@@ -48,7 +48,7 @@ fn expected_order(grid: &CellLayout, positions: &[DVec3]) -> (Vec<u32>, Vec<u32>
     order.sort_by_key(|&i| (id[i as usize], i));
     let mut sorted = id.clone();
     sorted.sort_unstable();
-    let starts = (0..=i64::from(grid.count()))
+    let starts = (0..=grid.count() as i64)
         .map(|cell| sorted.partition_point(|&of| of < cell) as u32)
         .collect();
     (order, starts)

@@ -124,8 +124,24 @@ impl<'a> CellGrid<'a> {
     }
 
     fn collect_neighbors(&self, rank: usize, cutoff_squared: f64, scratch: &mut Scratch) {
+        if self.layout.domain.periodic.contains(&true) {
+            let half = 0.5 * self.layout.domain.extent();
+            let shortest = |difference| self.shortest(difference, half);
+            self.collect(rank, cutoff_squared, scratch, shortest);
+        } else {
+            self.collect(rank, cutoff_squared, scratch, |difference| difference);
+        }
+    }
+
+    /// The search itself, once for each way to take a difference of positions.
+    fn collect(
+        &self,
+        rank: usize,
+        cutoff_squared: f64,
+        scratch: &mut Scratch,
+        shortest: impl Fn(DVec3) -> DVec3,
+    ) {
         let here = self.position[self.order[rank] as usize];
-        let half = 0.5 * self.layout.domain.extent();
         let Scratch {
             rank: ranks,
             position,
@@ -133,7 +149,7 @@ impl<'a> CellGrid<'a> {
         } = scratch;
         neighbors.clear();
         for (&other, &x) in ranks.iter().zip(position.iter()) {
-            let squared = self.shortest(x - here, half).length_squared();
+            let squared = shortest(x - here).length_squared();
             if squared < cutoff_squared && other as usize != rank {
                 neighbors.push(Neighbor {
                     rank: other,

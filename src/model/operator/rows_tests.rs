@@ -228,7 +228,7 @@ fn rows_of_held_particles_can_be_left_out_and_do_not_bound_the_step() {
     let one = survey(&problem, &grid);
     assert!((all.max_diagonal - 2.0).abs() < 1e-14 && (one.max_diagonal - 1.0).abs() < 1e-14);
     let rows = assemble(&problem, &grid, &one.neighbors, |a| !problem.is_held(a));
-    assert_eq!(rows.index.len(), 1);
+    assert_eq!(rows.entries(), 1);
 }
 
 #[test]

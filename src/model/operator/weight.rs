@@ -1,6 +1,6 @@
 //! The weight of a pair.
 
-use crate::model::{Kernel, Problem, lattice};
+use crate::model::{Kernel, Particles, Problem, lattice};
 
 /// What the kernel sum is divided by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,26 +36,42 @@ impl Correction {
 
 /// Computes the weights w_ab of a scene, 1/s.
 pub struct PairWeight<'a> {
-    problem: &'a Problem,
-    inverse_moment: f64,
+    particles: &'a Particles,
+    /// w'(q) / q of the kernel.
+    shape: fn(f64) -> f64,
+    inverse_radius: f64,
+    /// kbar sigma / H^(dim + 2) / moment of each pair of materials, row by row: computed once, so
+    /// that no pair divides.
+    factor: Vec<f64>,
+    materials: usize,
 }
 
 impl<'a> PairWeight<'a> {
     /// The weights of `problem`.
     pub fn new(problem: &'a Problem) -> Self {
-        let moment = problem.correction.moment(&problem.kernel, problem.spacing);
+        let kernel = &problem.kernel;
+        let moment = problem.correction.moment(kernel, problem.spacing);
+        let scale = kernel.dw_over_r_scale() / moment;
+        let materials = &problem.materials;
+        let pairs = materials
+            .iter()
+            .flat_map(|a| materials.iter().map(move |b| (a, b)));
         Self {
-            problem,
-            inverse_moment: 1.0 / moment,
+            particles: &problem.particles,
+            shape: kernel.kind().definition().shape_dw_over_r,
+            inverse_radius: 1.0 / kernel.support_radius(),
+            factor: pairs
+                .map(|(a, b)| problem.pair_mean.of(a.diffusivity, b.diffusivity) * scale)
+                .collect(),
+            materials: materials.len(),
         }
     }
 
-    /// w_ab of particles `a` and `b` at distance `dist` (m), 1/s, never negative.
+    /// w_ab of particles `a` and `b` at distance `dist` (m, below the kernel's cutoff), 1/s, never
+    /// negative.
     pub fn of(&self, a: usize, b: usize, dist: f64) -> f64 {
-        let particles = &self.problem.particles;
-        let diffusivity =
-            |i: usize| self.problem.materials[usize::from(particles.material[i])].diffusivity;
-        let mean = self.problem.pair_mean.of(diffusivity(a), diffusivity(b));
-        particles.volume[b] * mean * -self.problem.kernel.dw_over_r(dist) * self.inverse_moment
+        let material = |particle: usize| usize::from(self.particles.material[particle]);
+        let factor = self.factor[material(a) * self.materials + material(b)];
+        -self.particles.volume[b] * factor * (self.shape)(dist * self.inverse_radius)
     }
 }

@@ -66,7 +66,7 @@ fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
             seed = seed
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963);
-            let empty = rows.start[rank] == rows.start[rank + 1];
+            let empty = rows.row_len(rank) == 0;
             if empty {
                 0.0
             } else {
