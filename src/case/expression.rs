@@ -1,15 +1,20 @@
 //! Arithmetic expressions of a case file.
 //!
-//! A small parser of its own, for the usual rules of arithmetic: `-x^2` is -(x^2), `1e-3` is a
-//! number, `^` binds to the right. The general-purpose crates looked at read `-x^2` as (-x)^2,
-//! which would turn every Gaussian `exp(-x^2)` into nonsense without a word.
+//! The `exmex` crate parses and evaluates them, from the text that [`rewrite`] makes of the usual
+//! notation.
 
+mod rewrite;
+
+use exmex::{
+    BinOp, Express, FlatEx, FloatOpsFactory, MakeOperators, MatchLiteral, Operator,
+    literal_matcher_from_pattern,
+};
 use glam::DVec3;
 
 /// What a name stands for where an expression is used.
 #[derive(Clone, Copy)]
 pub(super) enum Meaning {
-    /// A number.
+    /// A finite number.
     Constant(f64),
     /// x, y or z.
     Coordinate(usize),
@@ -17,87 +22,73 @@ pub(super) enum Meaning {
     Time,
 }
 
-/// Longest expression, in bytes: the tree of a longer one could exhaust the stack.
-const MAX_LENGTH: usize = 1000;
-/// Deepest nesting of parentheses and signs.
-const MAX_DEPTH: usize = 60;
-
-type Unary = fn(f64) -> f64;
-type Binary = fn(f64, f64) -> f64;
-
-const FUNCTIONS: [(&str, Unary); 20] = [
-    ("abs", f64::abs),
-    ("acos", f64::acos),
-    ("asin", f64::asin),
-    ("atan", f64::atan),
-    ("ceil", f64::ceil),
-    ("cos", f64::cos),
-    ("cosh", f64::cosh),
-    ("erf", libm::erf),
-    ("erfc", libm::erfc),
-    ("exp", f64::exp),
-    ("floor", f64::floor),
-    ("ln", f64::ln),
-    ("log10", f64::log10),
-    ("round", f64::round),
-    ("sin", f64::sin),
-    ("sinh", f64::sinh),
-    ("sqrt", f64::sqrt),
-    ("step", |x| if x < 0.0 { 0.0 } else { 1.0 }),
-    ("tan", f64::tan),
-    ("tanh", f64::tanh),
+const FUNCTIONS: [&str; 20] = [
+    "abs", "acos", "asin", "atan", "ceil", "cos", "cosh", "erf", "erfc", "exp", "floor", "ln",
+    "log10", "round", "sin", "sinh", "sqrt", "step", "tan", "tanh",
 ];
 
-const FUNCTIONS_OF_TWO: [(&str, Binary); 3] =
-    [("atan2", f64::atan2), ("max", f64::max), ("min", f64::min)];
+const FUNCTIONS_OF_TWO: [&str; 3] = ["atan2", "max", "min"];
+
+/// Time and the coordinates, in alphabetical order: the library takes their values in that order.
+const VARIABLES: [&str; 4] = ["t", "x", "y", "z"];
 
 /// Every function that an expression may call, for messages and the schema.
 pub(super) fn function_names() -> String {
-    let names = FUNCTIONS
-        .iter()
-        .map(|f| f.0)
-        .chain(FUNCTIONS_OF_TWO.iter().map(|f| f.0));
-    names.collect::<Vec<_>>().join(" ")
+    [FUNCTIONS.as_slice(), &FUNCTIONS_OF_TWO].concat().join(" ")
 }
 
-#[derive(Debug)]
-enum Node {
-    Constant(f64),
-    Coordinate(usize),
-    Time,
-    Unary(Unary, Box<Node>),
-    Binary(Binary, Box<Node>, Box<Node>),
-}
+// The library's own literals know no exponent. What is no number after all, such as 1.2.3, is
+// taken in one piece, to be refused in one piece.
+literal_matcher_from_pattern!(Literal, r"^[0-9.]+([eE]+[+-]*[0-9]+)?");
 
-impl Node {
-    fn eval(&self, x: DVec3, t: f64) -> f64 {
-        match self {
-            Self::Constant(value) => *value,
-            Self::Coordinate(axis) => x[*axis],
-            Self::Time => t,
-            Self::Unary(function, a) => function(a.eval(x, t)),
-            Self::Binary(function, a, b) => function(a.eval(x, t), b.eval(x, t)),
-        }
-    }
+/// The operators of an expression: the usual ones, and the functions listed above.
+#[derive(Clone, Debug)]
+struct Operators;
 
-    fn unary(function: Unary, a: Node) -> Node {
-        match a {
-            Self::Constant(value) => Self::Constant(function(value)),
-            a => Self::Unary(function, Box::new(a)),
-        }
-    }
-
-    fn binary(function: Binary, a: Node, b: Node) -> Node {
-        match (a, b) {
-            (Self::Constant(a), Self::Constant(b)) => Self::Constant(function(a, b)),
-            (a, b) => Self::Binary(function, Box::new(a), Box::new(b)),
-        }
+impl MakeOperators<f64> for Operators {
+    fn make<'a>() -> Vec<Operator<'a, f64>> {
+        let listed = |operator: &Operator<f64>| {
+            FUNCTIONS.contains(&operator.repr()) || FUNCTIONS_OF_TWO.contains(&operator.repr())
+        };
+        let mut operators = FloatOpsFactory::make();
+        // The rest is either not ours (`e`, `signum`) or defined below.
+        operators.retain(listed);
+        operators.extend([
+            Operator::make_bin_unary("+", left_to_right(0, |a, b| a + b), |a| a),
+            Operator::make_bin_unary("-", left_to_right(0, |a, b| a - b), |a| -a),
+            Operator::make_bin("*", left_to_right(1, |a, b| a * b)),
+            Operator::make_bin("/", left_to_right(1, |a, b| a / b)),
+            Operator::make_bin("^", left_to_right(2, f64::powf)),
+            Operator::make_unary("erf", libm::erf),
+            Operator::make_unary("erfc", libm::erfc),
+            Operator::make_unary("step", |x| if x < 0.0 { 0.0 } else { 1.0 }),
+        ]);
+        operators
     }
 }
+
+/// An operator that the library must not reorder. Its own put `-` before `+` and `/` before `*`,
+/// so that `a*b/c` is a*(b/c), which rounds and overflows differently from what is written.
+fn left_to_right(prio: i64, apply: fn(f64, f64) -> f64) -> BinOp<f64> {
+    BinOp {
+        apply,
+        prio,
+        is_commutative: false,
+    }
+}
+
+type Formula = FlatEx<f64, Operators, Literal>;
 
 /// A parsed expression.
 #[derive(Debug)]
-pub(super) struct Expression(Node);
+pub(super) struct Expression {
+    /// In a box, since the library keeps kilobytes of it in place.
+    formula: Box<Formula>,
+    /// Which of the [`VARIABLES`] it depends on, in their order.
+    variables: Vec<usize>,
+    /// The value, if it depends on none.
+    constant: Option<f64>,
+}
 
 impl Expression {
     /// Parses `text`; `meaning` says what a name stands for, or why it stands for nothing.
@@ -105,204 +96,37 @@ impl Expression {
         text: &str,
         meaning: &dyn Fn(&str) -> Result<Meaning, String>,
     ) -> Result<Self, String> {
-        if text.len() > MAX_LENGTH {
-            return Err(format!("is longer than {MAX_LENGTH} characters"));
-        }
-        let mut parser = Parser {
-            text,
-            position: 0,
-            depth: 0,
-            meaning,
+        let rewritten = rewrite::rewrite(text, meaning)?;
+        let formula = Box::new(Formula::parse(&rewritten).map_err(|error| error.to_string())?);
+        let names = formula.var_names();
+        let used = |&variable: &usize| names.iter().any(|name| name == VARIABLES[variable]);
+        let mut expression = Self {
+            variables: (0..VARIABLES.len()).filter(used).collect(),
+            formula,
+            constant: None,
         };
-        let node = parser.sum()?;
-        match parser.peek() {
-            None => Ok(Self(node)),
-            Some(_) => Err(parser.unexpected("an operator")),
+        if expression.variables.is_empty() {
+            expression.constant = Some(expression.eval(DVec3::ZERO, 0.0));
         }
+        Ok(expression)
     }
 
     /// The value at position `x` (m) and time `t` (s).
     pub(super) fn eval(&self, x: DVec3, t: f64) -> f64 {
-        self.0.eval(x, t)
+        if let Some(value) = self.constant {
+            return value;
+        }
+        let known = [t, x.x, x.y, x.z];
+        let mut values = [0.0; VARIABLES.len()];
+        for (value, &variable) in values.iter_mut().zip(&self.variables) {
+            *value = known[variable];
+        }
+        // It fails only with fewer values than variables, which are all among the four.
+        self.formula.eval_relaxed(&values).unwrap_or(f64::NAN)
     }
 
     /// The value, if it depends on neither position nor time.
     pub(super) fn constant(&self) -> Option<f64> {
-        match self.0 {
-            Node::Constant(value) => Some(value),
-            _ => None,
-        }
-    }
-}
-
-struct Parser<'a> {
-    text: &'a str,
-    position: usize,
-    depth: usize,
-    meaning: &'a dyn Fn(&str) -> Result<Meaning, String>,
-}
-
-impl Parser<'_> {
-    /// The next character that is not a space.
-    fn peek(&mut self) -> Option<char> {
-        let rest = &self.text[self.position..];
-        self.position += rest.len() - rest.trim_start().len();
-        self.text[self.position..].chars().next()
-    }
-
-    fn take(&mut self, wanted: char) -> bool {
-        let found = self.peek() == Some(wanted);
-        if found {
-            self.position += wanted.len_utf8();
-        }
-        found
-    }
-
-    /// Takes the bytes that `belongs` accepts.
-    fn take_while(&mut self, belongs: impl Fn(u8) -> bool) -> &str {
-        let rest = &self.text[self.position..];
-        let length = rest.bytes().take_while(|&byte| belongs(byte)).count();
-        self.position += length;
-        &rest[..length]
-    }
-
-    fn unexpected(&mut self, wanted: &str) -> String {
-        match self.peek() {
-            Some(found) => {
-                let place = self.text[..self.position].chars().count() + 1;
-                format!("expected {wanted}, found \"{found}\" at character {place}")
-            }
-            None => format!("expected {wanted} at the end"),
-        }
-    }
-
-    fn sum(&mut self) -> Result<Node, String> {
-        let mut node = self.product()?;
-        loop {
-            if self.take('+') {
-                node = Node::binary(|a, b| a + b, node, self.product()?);
-            } else if self.take('-') {
-                node = Node::binary(|a, b| a - b, node, self.product()?);
-            } else {
-                return Ok(node);
-            }
-        }
-    }
-
-    fn product(&mut self) -> Result<Node, String> {
-        let mut node = self.signed()?;
-        loop {
-            if self.take('*') {
-                node = Node::binary(|a, b| a * b, node, self.signed()?);
-            } else if self.take('/') {
-                node = Node::binary(|a, b| a / b, node, self.signed()?);
-            } else {
-                return Ok(node);
-            }
-        }
-    }
-
-    fn signed(&mut self) -> Result<Node, String> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH {
-            return Err(format!("is nested more than {MAX_DEPTH} deep"));
-        }
-        let node = if self.take('-') {
-            Node::unary(|a| -a, self.signed()?)
-        } else if self.take('+') {
-            self.signed()?
-        } else {
-            self.power()?
-        };
-        self.depth -= 1;
-        Ok(node)
-    }
-
-    fn power(&mut self) -> Result<Node, String> {
-        let base = self.atom()?;
-        if self.take('^') {
-            return Ok(Node::binary(f64::powf, base, self.signed()?));
-        }
-        Ok(base)
-    }
-
-    fn atom(&mut self) -> Result<Node, String> {
-        match self.peek() {
-            Some('(') => {
-                self.position += 1;
-                let node = self.sum()?;
-                self.close()?;
-                Ok(node)
-            }
-            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
-            Some(c) if c.is_ascii_alphabetic() => self.name(),
-            _ => Err(self.unexpected("a number, a name or \"(\"")),
-        }
-    }
-
-    fn close(&mut self) -> Result<(), String> {
-        if self.take(')') {
-            Ok(())
-        } else {
-            Err(self.unexpected("\")\""))
-        }
-    }
-
-    fn number(&mut self) -> Result<Node, String> {
-        let start = self.position;
-        self.take_while(|byte| byte.is_ascii_digit() || byte == b'.');
-        let mantissa_end = self.position;
-        if !self
-            .take_while(|byte| byte == b'e' || byte == b'E')
-            .is_empty()
-        {
-            self.take_while(|byte| byte == b'+' || byte == b'-');
-            if self.take_while(|byte| byte.is_ascii_digit()).is_empty() {
-                self.position = mantissa_end;
-            }
-        }
-        let text = &self.text[start..self.position];
-        text.parse()
-            .map(Node::Constant)
-            .map_err(|_| format!("\"{text}\" is not a number"))
-    }
-
-    fn name(&mut self) -> Result<Node, String> {
-        let name = self
-            .take_while(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-            .to_owned();
-        let called = self.take('(');
-        if let Some((_, function)) = FUNCTIONS.iter().find(|f| f.0 == name) {
-            self.called(&name, called)?;
-            let argument = self.sum()?;
-            self.close()?;
-            return Ok(Node::unary(*function, argument));
-        }
-        if let Some((_, function)) = FUNCTIONS_OF_TWO.iter().find(|f| f.0 == name) {
-            self.called(&name, called)?;
-            let first = self.sum()?;
-            if !self.take(',') {
-                return Err(self.unexpected("\",\""));
-            }
-            let second = self.sum()?;
-            self.close()?;
-            return Ok(Node::binary(*function, first, second));
-        }
-        if called {
-            return Err(format!("unknown function \"{name}\""));
-        }
-        Ok(match (self.meaning)(&name)? {
-            Meaning::Constant(value) => Node::Constant(value),
-            Meaning::Coordinate(axis) => Node::Coordinate(axis),
-            Meaning::Time => Node::Time,
-        })
-    }
-
-    fn called(&self, name: &str, called: bool) -> Result<(), String> {
-        if called {
-            Ok(())
-        } else {
-            Err(format!("\"{name}\" is a function and needs \"(\""))
-        }
+        self.constant
     }
 }
