@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// What each module may name of the crate; see the table in `src/lib.rs`.
 const MAY_USE: [(&str, &[&str]); 8] = [
-    (
-        "cli",
-        &["study", "case", "solver", "report", "exact", "gpu", "model"],
-    ),
+    ("cli", &["study", "case", "solver", "report", "exact", "gpu", "model"]),
     ("study", &["case", "solver", "exact", "report", "model"]),
     ("case", &["exact", "model"]),
     ("solver", &["gpu", "model"]),
@@ -20,21 +17,15 @@ const MAY_USE: [(&str, &[&str]); 8] = [
 
 /// Crates that only some modules may name: no GPU in the physics, no printing layer below the
 /// command line.
-const ONLY_IN: [(&str, &[&str]); 4] = [
-    ("wgpu", &["gpu"]),
-    ("clap", &["cli"]),
-    ("indicatif", &["cli"]),
-    ("plotters", &["report"]),
-];
+const ONLY_IN: [(&str, &[&str]); 4] =
+    [("wgpu", &["gpu"]), ("clap", &["cli"]), ("indicatif", &["cli"]), ("plotters", &["report"])];
 
 /// The modules that a line of `module` names against the rules.
 fn forbidden<'a>(module: &str, may_use: &[&str], line: &'a str) -> Vec<&'a str> {
     let code = line.split("//").next().unwrap_or("");
     let of_crate = code.split("crate::").skip(1).map(first_name);
     let inside = of_crate.filter(|name| *name != module && !may_use.contains(name));
-    let outside = ONLY_IN
-        .iter()
-        .filter(|(_, modules)| !modules.contains(&module));
+    let outside = ONLY_IN.iter().filter(|(_, modules)| !modules.contains(&module));
     let named = outside.filter(|(name, _)| code.contains(&format!("{name}::")));
     inside.chain(named.map(|(name, _)| *name)).collect()
 }
@@ -57,8 +48,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 fn is_test(path: &Path) -> bool {
-    path.components()
-        .any(|c| c.as_os_str().to_string_lossy().contains("tests"))
+    path.components().any(|c| c.as_os_str().to_string_lossy().contains("tests"))
 }
 
 #[test]
@@ -78,19 +68,13 @@ fn modules_use_only_what_is_below_them() {
             }
         }
     }
-    assert!(
-        broken.is_empty(),
-        "forbidden arrows:\n{}",
-        broken.join("\n")
-    );
+    assert!(broken.is_empty(), "forbidden arrows:\n{}", broken.join("\n"));
 }
 
 #[test]
 fn every_module_of_the_crate_has_its_rules() {
     let lib = include_str!("../src/lib.rs");
-    let modules = lib
-        .lines()
-        .filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
+    let modules = lib.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
     let ruled: Vec<&str> = MAY_USE.iter().map(|(module, _)| *module).collect();
     let unruled: Vec<&str> = modules.filter(|module| !ruled.contains(module)).collect();
     assert!(unruled.is_empty(), "no rules for {unruled:?}");
@@ -98,25 +82,11 @@ fn every_module_of_the_crate_has_its_rules() {
 
 #[test]
 fn a_forbidden_line_is_noticed() {
-    assert_eq!(
-        forbidden("gpu", &[], "use crate::model::Problem;"),
-        ["model"]
-    );
-    assert_eq!(
-        forbidden("model", &[], "    let buffer: wgpu::Buffer;"),
-        ["wgpu"]
-    );
-    assert_eq!(
-        forbidden("report", &["model"], "use crate::solver::Backend;"),
-        ["solver"]
-    );
+    assert_eq!(forbidden("gpu", &[], "use crate::model::Problem;"), ["model"]);
+    assert_eq!(forbidden("model", &[], "    let buffer: wgpu::Buffer;"), ["wgpu"]);
+    assert_eq!(forbidden("report", &["model"], "use crate::solver::Backend;"), ["solver"]);
     assert!(
-        forbidden(
-            "report",
-            &["model"],
-            "use crate::model::Problem; // crate::solver"
-        )
-        .is_empty()
+        forbidden("report", &["model"], "use crate::model::Problem; // crate::solver").is_empty()
     );
     assert!(forbidden("gpu", &[], "use crate::gpu::Device;").is_empty());
 }

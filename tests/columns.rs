@@ -20,10 +20,8 @@ const LAYERS: usize = 100;
 const STEPS: u64 = 28_032;
 
 fn load(name: &str, set: &[&str]) -> Scene {
-    let overrides: Vec<Override> = set
-        .iter()
-        .map(|text| Override::parse(text).expect("an override"))
-        .collect();
+    let overrides: Vec<Override> =
+        set.iter().map(|text| Override::parse(text).expect("an override")).collect();
     case::load(name, &overrides).expect("a shipped case")
 }
 
@@ -53,11 +51,7 @@ fn recurrence(left: f64, right: f64, r: f64, steps: u64) -> Vec<f64> {
         })
         .collect();
     let transient = |i: usize| -> f64 {
-        modes
-            .iter()
-            .zip(1..)
-            .map(|((start, damped), k)| start * damped * sine(k, i))
-            .sum()
+        modes.iter().zip(1..).map(|((start, damped), k)| start * damped * sine(k, i)).sum()
     };
     (0..LAYERS).map(|i| steady(i) + transient(i)).collect()
 }
@@ -70,18 +64,15 @@ fn deviation(scene: &Scene, state: &[f64], left: f64, right: f64, factor: f64) -
     let exact = recurrence(left, right, r, STEPS);
     let layer = |x: f64| (x / problem.spacing - 0.5).round() as usize;
     let places = problem.particles.position.iter().zip(state);
-    let worst = places
-        .map(|(p, value)| (value - exact[layer(p.x)]).abs())
-        .fold(0.0, f64::max);
+    let worst = places.map(|(p, value)| (value - exact[layer(p.x)]).abs()).fold(0.0, f64::max);
     worst / 1000.0
 }
 
 #[test]
 fn columns_follow_the_exact_recurrence() {
-    for (name, left, right) in [
-        ("constant_column", 1000.0, 1000.0),
-        ("affine_column", 104.5, 995.5),
-    ] {
+    for (name, left, right) in
+        [("constant_column", 1000.0, 1000.0), ("affine_column", 104.5, 995.5)]
+    {
         let scene = load(name, &["time.end=0.2*year", "output={}"]);
         let state = solve(&scene);
         let found = deviation(&scene, &state, left, right, 1.0);
@@ -102,10 +93,6 @@ fn the_recurrence_reaches_the_published_figures_after_all_steps() {
     assert!((least - 999.999_740_757).abs() < 5e-9, "{least}");
     let affine = recurrence(104.5, 995.5, r, 280_320);
     let line = |i: usize| 18.0 * (i as f64 + 0.5) * 0.5 + 100.0;
-    let worst = affine
-        .iter()
-        .enumerate()
-        .map(|(i, c)| (c - line(i)).abs())
-        .fold(0.0, f64::max);
+    let worst = affine.iter().enumerate().map(|(i, c)| (c - line(i)).abs()).fold(0.0, f64::max);
     assert!((worst - 1.425_835e-4).abs() < 5e-10, "{worst:e}");
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use diffusph::case::{self, Override, Scene};
 use diffusph::gpu::{self, Device};
 use diffusph::model::Problem;
-use diffusph::model::operator::rows::{cell_grid, survey};
+use diffusph::model::operator::rows::{assemble, cell_grid, survey};
 use diffusph::solver::cpu::{CpuBackend, CpuField};
 use diffusph::solver::gpu::{GpuBackend, GpuField};
 use diffusph::solver::{Backend, Precision};
@@ -31,16 +31,9 @@ fn epsilon(precision: Precision) -> f64 {
 
 /// Every shipped case, cut to a size that takes a moment.
 fn small_cases() -> Vec<Scene> {
-    let coarse: &[&str] = &[
-        "particles.spacing=5",
-        "time.step=4e4",
-        "output={}",
-        "probes=[]",
-    ];
-    let layers: &[&str] = &[
-        "boundaries.1.held.where.box.max.0=5",
-        "boundaries.2.held.where.box.min.0=45",
-    ];
+    let coarse: &[&str] = &["particles.spacing=5", "time.step=4e4", "output={}", "probes=[]"];
+    let layers: &[&str] =
+        &["boundaries.1.held.where.box.max.0=5", "boundaries.2.held.where.box.min.0=45"];
     let cut = |name: &str| -> Vec<&str> {
         match name {
             "constant" | "affine" => [coarse, layers].concat(),
@@ -58,18 +51,15 @@ fn small_cases() -> Vec<Scene> {
 
 fn cpu(problem: &Problem) -> CpuBackend {
     let grid = cell_grid(problem);
-    let survey = survey(problem, &grid);
-    CpuBackend::new(problem, grid, &survey)
+    let (_, rows) = assemble(problem, &grid);
+    CpuBackend::new(problem, grid.into_order(), rows)
 }
 
 /// The largest difference over the largest value.
 fn difference(cpu: &CpuField, gpu: &GpuField) -> f64 {
     let pairs = cpu.as_ref().iter().zip(gpu.as_ref());
     let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let scale = cpu
-        .as_ref()
-        .iter()
-        .fold(0.0, |scale: f64, c| scale.max(c.abs()));
+    let scale = cpu.as_ref().iter().fold(0.0, |scale: f64, c| scale.max(c.abs()));
     worst / scale.max(f64::MIN_POSITIVE)
 }
 
@@ -78,12 +68,8 @@ fn difference(cpu: &CpuField, gpu: &GpuField) -> f64 {
 /// the safe bound is a mean of old values, so errors add up and do not grow.
 fn tolerance(problem: &Problem, precision: Precision) -> f64 {
     let grid = cell_grid(problem);
-    let most = survey(problem, &grid)
-        .neighbors
-        .into_iter()
-        .max()
-        .unwrap_or(0);
-    0.5 * epsilon(precision) * (34.0 + f64::from(most)) * STEPS as f64
+    let most = survey(problem, &grid).most_neighbors;
+    0.5 * epsilon(precision) * (34.0 + most as f64) * STEPS as f64
 }
 
 #[test]
@@ -102,20 +88,12 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
             on_gpu.euler(dt, STEPS).expect("steps");
             let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
             let allowed = tolerance(&problem, precision);
-            assert!(
-                found <= allowed,
-                "{} in {precision:?}: {found:e} > {allowed:e}",
-                scene.name
-            );
+            assert!(found <= allowed, "{} in {precision:?}: {found:e} > {allowed:e}", scene.name);
             let given = on_cpu.exchange().expect("exchange");
             let volume: f64 = problem.particles.volume.iter().sum();
             let scale = volume * problem.initial.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
             let off = (given - on_gpu.exchange().expect("exchange")).abs();
-            assert!(
-                off <= allowed * scale,
-                "{}: exchange off by {off:e}",
-                scene.name
-            );
+            assert!(off <= allowed * scale, "{}: exchange off by {off:e}", scene.name);
         }
     }
 }
@@ -131,17 +109,12 @@ fn the_cross_check_notices_one_changed_weight() {
     on_cpu.euler(dt, STEPS).expect("steps");
     on_gpu.euler(dt, STEPS).expect("steps");
     let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
-    assert!(
-        found > tolerance(&scene.problem, Precision::F64),
-        "{found:e}"
-    );
+    assert!(found > tolerance(&scene.problem, Precision::F64), "{found:e}");
 }
 
 #[test]
 fn saved_states_come_back_on_both_sides() {
-    let problem = case::load("gaussian_small", &[])
-        .expect("a shipped case")
-        .problem;
+    let problem = case::load("gaussian_small", &[]).expect("a shipped case").problem;
     let dt = problem.spacing.powi(2) / problem.materials[0].diffusivity / 10.0;
     let gpu = GpuBackend::new(&problem, dt, device(), Precision::F32).expect("backend");
     fn check<B: Backend>(mut backend: B, dt: f64) {

@@ -29,33 +29,20 @@ fn output(time: f64, count: usize, dimension: usize) -> Output {
     };
     let mut value: Vec<f64> = (0..count).map(|i| number(i, 1e-3 * time + 0.2)).collect();
     // The numbers that a text format would be likely to lose.
-    for (slot, odd) in value
-        .iter_mut()
-        .skip(1)
-        .zip([-0.0, 5e-324, 1e300, f64::INFINITY])
-    {
+    for (slot, odd) in value.iter_mut().skip(1).zip([-0.0, 5e-324, 1e300, f64::INFINITY]) {
         *slot = odd;
     }
     let density = (0..count).map(|i| 1000.0 * number(i, 0.011)).collect();
     let fields = vec![("value", value), ("density <kg/m3> & \"more\"", density)];
-    Output {
-        time,
-        positions: (0..count).map(position).collect(),
-        fields,
-    }
+    Output { time, positions: (0..count).map(position).collect(), fields }
 }
 
 fn write(folder: &Path, outputs: &[Output]) {
     let mut series = SeriesWriter::new(folder);
     for output in outputs {
-        let fields: Vec<(&str, &[f64])> = output
-            .fields
-            .iter()
-            .map(|(name, values)| (*name, values.as_slice()))
-            .collect();
-        series
-            .write(output.time, &output.positions, &fields)
-            .unwrap();
+        let fields: Vec<(&str, &[f64])> =
+            output.fields.iter().map(|(name, values)| (*name, values.as_slice())).collect();
+        series.write(output.time, &output.positions, &fields).unwrap();
     }
 }
 
@@ -72,19 +59,12 @@ fn read(folder: &Path) -> Value {
         !said.contains("ModuleNotFoundError"),
         "{python} lacks pyvista or meshio: run tests/run.sh, which installs them\n{said}"
     );
-    assert!(
-        ran.status.success(),
-        "a reader failed on {}:\n{said}",
-        folder.display()
-    );
+    assert!(ran.status.success(), "a reader failed on {}:\n{said}", folder.display());
     serde_json::from_slice(&ran.stdout).unwrap()
 }
 
 fn bits(values: impl IntoIterator<Item = f64>) -> Vec<String> {
-    values
-        .into_iter()
-        .map(|x| format!("{:016x}", x.to_bits()))
-        .collect()
+    values.into_iter().map(|x| format!("{:016x}", x.to_bits())).collect()
 }
 
 /// What both readers must find in the outputs.
@@ -104,9 +84,7 @@ fn expected(outputs: &[Output]) -> Value {
         })
     };
     let content: Vec<Value> = outputs.iter().map(content).collect();
-    let files: Vec<String> = (0..outputs.len())
-        .map(|i| format!("particles_{i:04}.vtu"))
-        .collect();
+    let files: Vec<String> = (0..outputs.len()).map(|i| format!("particles_{i:04}.vtu")).collect();
     json!({
         "times": bits(outputs.iter().map(|output| output.time)),
         "files": files,
@@ -125,29 +103,18 @@ fn there_and_back(outputs: &[Output]) -> (Value, Value) {
 #[test]
 fn both_readers_find_every_number_and_notice_a_changed_one() {
     // More particles than the writer generates cells for at a time.
-    let outputs = [
-        output(0.0, 20_000, 3),
-        output(0.1 + 0.2, 20_000, 3),
-        output(6.3072e7, 7, 3),
-    ];
+    let outputs = [output(0.0, 20_000, 3), output(0.1 + 0.2, 20_000, 3), output(6.3072e7, 7, 3)];
     let (found, wanted) = there_and_back(&outputs);
-    assert!(
-        found == wanted,
-        "what was read differs from what was written"
-    );
+    assert!(found == wanted, "what was read differs from what was written");
 
     let differs = |change: fn(&mut [Output])| {
         let mut changed = outputs.clone();
         change(&mut changed);
         found != expected(&changed)
     };
-    assert!(differs(
-        |o| o[1].positions[777].y = o[1].positions[777].y.next_up()
-    ));
+    assert!(differs(|o| o[1].positions[777].y = o[1].positions[777].y.next_up()));
     assert!(differs(|o| o[0].fields[0].1[1] = 0.0), "-0.0 is not 0.0");
-    assert!(differs(
-        |o| o[2].fields[1].1[6] = o[2].fields[1].1[6].next_up()
-    ));
+    assert!(differs(|o| o[2].fields[1].1[6] = o[2].fields[1].1[6].next_up()));
     assert!(differs(|o| o[1].time = 0.3));
 }
 

@@ -24,13 +24,8 @@ const IN_F64: [MathFunction; 6] = [
 fn check(source: &str) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64);
-    let info = validator
-        .validate(&module)
-        .map_err(|e| e.emit_to_string(source))?;
-    let named = module
-        .functions
-        .iter()
-        .map(|(handle, f)| (f, &info[handle]));
+    let info = validator.validate(&module).map_err(|e| e.emit_to_string(source))?;
+    let named = module.functions.iter().map(|(handle, f)| (f, &info[handle]));
     let entry = module.entry_points.iter().enumerate();
     let entries = entry.map(|(i, e)| (&e.function, info.get_entry_point(i)));
     for (function, of_function) in named.chain(entries) {
@@ -86,8 +81,7 @@ fn combinations() -> Vec<Choices> {
 
 fn a_choice(precision: Precision) -> Choices {
     let mut all = combinations().into_iter();
-    all.find(|choices| choices.precision == precision)
-        .expect("both precisions are among them")
+    all.find(|choices| choices.precision == precision).expect("both precisions are among them")
 }
 
 #[test]
@@ -108,10 +102,7 @@ fn every_combination_is_valid() {
 #[test]
 fn a_broken_slot_is_noticed() {
     for precision in Precision::ALL {
-        let list = a_choice(precision)
-            .list()
-            .link()
-            .expect("every file exists");
+        let list = a_choice(precision).list().link().expect("every file exists");
         check(&list).expect("valid as it is");
         let signature = "fn kernel_shape_dw_over_r(q: real)";
         assert!(list.contains(signature));
@@ -144,11 +135,7 @@ fn laid_out(layout: &BlockLayout, real: Real) -> (Vec<u32>, u32) {
 
 #[test]
 fn parameter_blocks_are_laid_out_as_the_shaders_read_them() {
-    let odd = BlockLayout {
-        name: "Odd",
-        counts: &["one", "two", "three"],
-        reals: &["four"],
-    };
+    let odd = BlockLayout { name: "Odd", counts: &["one", "two", "three"], reals: &["four"] };
     for layout in [&GRID, &CHUNK, &STEP_SIZE, &odd] {
         for real in Real::ALL {
             let (offsets, size) = laid_out(layout, real);

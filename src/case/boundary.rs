@@ -23,9 +23,7 @@ pub(super) fn select(
         .map(|(index, _)| index as u32)
         .collect();
     if selected.is_empty() {
-        return Err(CaseError::NothingSelected {
-            path: path.to_owned(),
-        });
+        return Err(CaseError::NothingSelected { path: path.to_owned() });
     }
     Ok(selected)
 }
@@ -44,10 +42,7 @@ pub(super) fn periodic(
             let path = format!("boundaries[{index}].periodic.axes[{entry}]");
             let axis = axis_index(axis, &path, dimension)?;
             if periodic[axis] {
-                return Err(CaseError::Duplicate {
-                    path,
-                    text: AXES[axis].to_owned(),
-                });
+                return Err(CaseError::Duplicate { path, text: AXES[axis].to_owned() });
             }
             periodic[axis] = true;
         }
@@ -74,10 +69,7 @@ fn check_walls(
             return Err(CaseError::UnusedKey { path, reason });
         }
         if seen.contains(face) {
-            return Err(CaseError::Duplicate {
-                path,
-                text: face.name().to_owned(),
-            });
+            return Err(CaseError::Duplicate { path, text: face.name().to_owned() });
         }
         seen.push(*face);
     }
@@ -127,10 +119,7 @@ pub(super) fn axis_index(axis: Axis, path: &str, dimension: usize) -> Result<usi
         path: path.to_owned(),
         text: AXES[index].to_owned(),
         nearest: Vec::new(),
-        known: AXES[..dimension]
-            .iter()
-            .map(|&name| name.to_owned())
-            .collect(),
+        known: AXES[..dimension].iter().map(|&name| name.to_owned()).collect(),
     })
 }
 

@@ -29,20 +29,10 @@ pub(super) fn build(
     let (problem, exact) = problem(&case, &mut warnings)?;
     fill_in_defaults(&mut case);
     let fields = fields(&case)?;
-    let resolved = serde_json::to_value(&case).map_err(|error| CaseError::Json {
-        path: String::new(),
-        reason: error.to_string(),
-    })?;
+    let resolved = serde_json::to_value(&case)
+        .map_err(|error| CaseError::Json { path: String::new(), reason: error.to_string() })?;
     let (name, title) = (name.to_owned(), case.title);
-    Ok(Scene {
-        name,
-        title,
-        problem,
-        exact,
-        fields,
-        resolved,
-        warnings,
-    })
+    Ok(Scene { name, title, problem, exact, fields, resolved, warnings })
 }
 
 fn problem(
@@ -54,20 +44,9 @@ fn problem(
     let (domain, particles) = particles(case, &evaluator, spacing, warnings)?;
     let kernel = kernel(case, &evaluator, spacing, &domain)?;
     let (pair_mean, correction) = operator(case)?;
-    let ground = Ground {
-        evaluator: &evaluator,
-        domain: &domain,
-        spacing,
-        particles: &particles,
-    };
+    let ground = Ground { evaluator: &evaluator, domain: &domain, spacing, particles: &particles };
     let mut initial = resolve_initial(&case.initial, &ground)?;
-    let held = hold(
-        &case.boundaries,
-        &evaluator,
-        &particles,
-        spacing,
-        &mut initial.value,
-    )?;
+    let held = hold(&case.boundaries, &evaluator, &particles, spacing, &mut initial.value)?;
     warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
     let time = time(case, &evaluator)?;
     let setting = Setting {
@@ -99,12 +78,7 @@ fn operator(case: &Case) -> Result<(PairMean, Correction), CaseError> {
     let (mean, correction) = (&case.operator.pair_mean, &case.operator.correction);
     Ok((
         by_name("operator.pair_mean", mean, &PairMean::ALL, PairMean::name)?,
-        by_name(
-            "operator.correction",
-            correction,
-            &Correction::ALL,
-            Correction::name,
-        )?,
+        by_name("operator.correction", correction, &Correction::ALL, Correction::name)?,
     ))
 }
 
@@ -147,53 +121,26 @@ pub(super) fn by_name<T: Copy>(
     all: &[T],
     name: impl Fn(T) -> &'static str,
 ) -> Result<T, CaseError> {
-    all.iter()
-        .copied()
-        .find(|&entry| name(entry) == text)
-        .ok_or_else(|| {
-            let known: Vec<String> = all.iter().map(|&entry| name(entry).to_owned()).collect();
-            let nearest = nearest(text, &known, 1);
-            CaseError::UnknownName {
-                path: path.to_owned(),
-                text: text.to_owned(),
-                nearest,
-                known,
-            }
-        })
+    all.iter().copied().find(|&entry| name(entry) == text).ok_or_else(|| {
+        let known: Vec<String> = all.iter().map(|&entry| name(entry).to_owned()).collect();
+        let nearest = nearest(text, &known, 1);
+        CaseError::UnknownName { path: path.to_owned(), text: text.to_owned(), nearest, known }
+    })
 }
 
 /// What evaluates the case's numbers, and the spacing (m), which it knows too.
 fn evaluator(case: &Case) -> Result<(Evaluator, f64), CaseError> {
     let value = f64::from(case.dimension);
-    in_range(
-        "dimension",
-        value,
-        (1..=3).contains(&case.dimension),
-        "1, 2 or 3",
-    )?;
-    let bare = Evaluator {
-        dimension: case.dimension as usize,
-        spacing: None,
-    };
+    in_range("dimension", value, (1..=3).contains(&case.dimension), "1, 2 or 3")?;
+    let bare = Evaluator { dimension: case.dimension as usize, spacing: None };
     let spacing = bare.positive("particles.spacing", &case.particles.spacing)?;
-    Ok((
-        Evaluator {
-            spacing: Some(spacing),
-            ..bare
-        },
-        spacing,
-    ))
+    Ok((Evaluator { spacing: Some(spacing), ..bare }, spacing))
 }
 
 fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseError> {
     let count = case.materials.len();
     // Particles name their material by a u16.
-    in_range(
-        "materials",
-        count as f64,
-        count <= usize::from(u16::MAX),
-        "at most 65535 materials",
-    )?;
+    in_range("materials", count as f64, count <= usize::from(u16::MAX), "at most 65535 materials")?;
     let material = |(name, spec): (&String, &MaterialSpec)| {
         let path = format!("materials.{name}");
         Ok(Material {
@@ -212,12 +159,7 @@ fn kernel(
     domain: &Domain,
 ) -> Result<Kernel, CaseError> {
     let path = "kernel.support_ratio";
-    let kind = by_name(
-        "kernel.name",
-        &case.kernel.name,
-        &KernelKind::ALL,
-        KernelKind::name,
-    )?;
+    let kind = by_name("kernel.name", &case.kernel.name, &KernelKind::ALL, KernelKind::name)?;
     let ratio = evaluator.number(path, &case.kernel.support_ratio)?;
     // At 1 and below no particle of a lattice has a neighbour.
     in_range(path, ratio, ratio * SUPPORT_MARGIN > 1.0, "above 1")?;
@@ -227,12 +169,7 @@ fn kernel(
         let extent = domain.extent()[axis];
         if 2.0 * support_radius > extent * (1.0 + WHOLE) {
             let (path, axis) = (path.to_owned(), AXES[axis]);
-            return Err(CaseError::SupportTooWide {
-                path,
-                support_radius,
-                axis,
-                extent,
-            });
+            return Err(CaseError::SupportTooWide { path, support_radius, axis, extent });
         }
     }
     Kernel::new(kind, dimension, support_radius).ok_or_else(|| CaseError::KernelDimension {
@@ -245,8 +182,5 @@ fn kernel(
 /// An exact expression must be finite at the end; a sample of the particles shows whether it is.
 fn try_out(field: &Field, position: &[DVec3], end: f64) -> Result<(), CaseError> {
     let stride = position.len().div_ceil(TRIALS).max(1);
-    position
-        .iter()
-        .step_by(stride)
-        .try_for_each(|&x| field.at(x, end).map(|_| ()))
+    position.iter().step_by(stride).try_for_each(|&x| field.at(x, end).map(|_| ()))
 }

@@ -251,11 +251,7 @@ pub enum CaseError {
 }
 
 fn at(path: &str) -> String {
-    if path.is_empty() {
-        String::new()
-    } else {
-        format!("{path}: ")
-    }
+    if path.is_empty() { String::new() } else { format!("{path}: ") }
 }
 
 fn did_you_mean(nearest: &[String]) -> String {
@@ -281,9 +277,5 @@ pub(super) fn nearest<S: AsRef<str>>(text: &str, known: &[S], count: usize) -> V
         .filter(|(score, _)| *score >= SIMILAR)
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored
-        .into_iter()
-        .take(count)
-        .map(|(_, name)| name.to_owned())
-        .collect()
+    scored.into_iter().take(count).map(|(_, name)| name.to_owned()).collect()
 }

@@ -15,12 +15,7 @@ pub(super) use setting::Setting;
 /// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
 /// only material, the domain, the only deposit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    tag = "name",
-    deny_unknown_fields,
-    rename_all = "snake_case",
-    expecting = "an object"
-)]
+#[serde(tag = "name", deny_unknown_fields, rename_all = "snake_case", expecting = "an object")]
 pub(super) enum ExactSpec {
     /// The same value everywhere.
     Uniform { value: Number },
@@ -109,75 +104,30 @@ pub(super) fn resolve(
 ) -> Result<(Solution, Option<Field>), CaseError> {
     let dimension = setting.evaluator.dimension;
     let solution = match spec {
-        ExactSpec::Uniform { value } => Solution::Uniform {
-            value: setting.given("value", value)?,
-        },
+        ExactSpec::Uniform { value } => Solution::Uniform { value: setting.given("value", value)? },
         ExactSpec::Affine { offset, gradient } => Solution::Affine {
             offset: setting.given("offset", offset)?,
             gradient: setting.evaluator.point("exact.gradient", gradient)?,
         },
-        ExactSpec::PointSource {
-            amount,
-            at,
-            diffusivity,
-            porosity,
-        } => {
+        ExactSpec::PointSource { amount, at, diffusivity, porosity } => {
             let (amount, at) = setting.deposit(amount, at)?;
             let porosity = setting.positive_or("porosity", porosity, 1.0)?;
             let diffusivity = setting.diffusivity(diffusivity)?;
-            Solution::PointSource(PointSource {
-                dimension,
-                amount,
-                at,
-                diffusivity,
-                porosity,
-            })
+            Solution::PointSource(PointSource { dimension, amount, at, diffusivity, porosity })
         }
-        ExactSpec::PointSourceInBox {
-            amount,
-            at,
-            min,
-            max,
-            diffusivity,
-            porosity,
-        } => {
+        ExactSpec::PointSourceInBox { amount, at, min, max, diffusivity, porosity } => {
             let (amount, at) = setting.deposit(amount, at)?;
             let porosity = setting.positive_or("porosity", porosity, 1.0)?;
             let walls = setting.walls(min, max, diffusivity)?;
-            Solution::PointSourceInBox(PointSourceInBox {
-                walls,
-                amount,
-                at,
-                porosity,
-            })
+            Solution::PointSourceInBox(PointSourceInBox { walls, amount, at, porosity })
         }
-        ExactSpec::MassesInBox {
-            amount,
-            at,
-            separation,
-            min,
-            max,
-            diffusivity,
-        } => {
+        ExactSpec::MassesInBox { amount, at, separation, min, max, diffusivity } => {
             let (amount, at) = setting.deposit(amount, at)?;
             let separation = setting.positive_or("separation", separation, setting.spacing)?;
             let walls = setting.walls(min, max, diffusivity)?;
-            Solution::MassesInBox(MassesInBox {
-                walls,
-                amount,
-                at,
-                separation,
-            })
+            Solution::MassesInBox(MassesInBox { walls, amount, at, separation })
         }
-        ExactSpec::Slab {
-            axis,
-            from,
-            to,
-            left,
-            right,
-            initial,
-            diffusivity,
-        } => {
+        ExactSpec::Slab { axis, from, to, left, right, initial, diffusivity } => {
             let axis = setting.axis(*axis)?;
             let from = setting.number_or("from", from, setting.domain.min[axis])?;
             let to = setting.number_or("to", to, setting.domain.max[axis])?;
@@ -192,13 +142,7 @@ pub(super) fn resolve(
                 diffusivity: setting.diffusivity(diffusivity)?,
             })
         }
-        ExactSpec::HalfSpace {
-            axis,
-            from,
-            surface,
-            initial,
-            diffusivity,
-        } => {
+        ExactSpec::HalfSpace { axis, from, surface, initial, diffusivity } => {
             let axis = setting.axis(*axis)?;
             Solution::HalfSpace(HalfSpace {
                 axis,

@@ -70,11 +70,7 @@ impl MakeOperators<f64> for Operators {
 /// An operator that the library must not reorder. Its own put `-` before `+` and `/` before `*`,
 /// so that `a*b/c` is a*(b/c), which rounds and overflows differently from what is written.
 fn left_to_right(prio: i64, apply: fn(f64, f64) -> f64) -> BinOp<f64> {
-    BinOp {
-        apply,
-        prio,
-        is_commutative: false,
-    }
+    BinOp { apply, prio, is_commutative: false }
 }
 
 type Formula = FlatEx<f64, Operators, Literal>;

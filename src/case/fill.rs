@@ -53,10 +53,7 @@ impl Lattice {
             });
             if particles.len() == before {
                 let path = fill.path.clone();
-                return Err(CaseError::EmptyFill {
-                    path,
-                    spacing: self.spacing,
-                });
+                return Err(CaseError::EmptyFill { path, spacing: self.spacing });
             }
             self.check_overlap(&particles.position[before..], fill, &fills[..index])?;
             particles.material.resize(particles.len(), fill.material);
@@ -70,21 +67,14 @@ impl Lattice {
     fn check_count(&self, fills: &[Fill]) -> Result<(), CaseError> {
         let sites = |fill: &Fill| {
             let extent = (fill.bounds.1 - fill.bounds.0) / self.spacing;
-            extent.to_array()[..self.dimension]
-                .iter()
-                .map(|n| n.round())
-                .product::<f64>()
+            extent.to_array()[..self.dimension].iter().map(|n| n.round()).product::<f64>()
         };
         let count: f64 = fills.iter().map(sites).sum();
         if count <= f64::from(MOST) {
             return Ok(());
         }
         let gib = count * BYTES / (1u64 << 30) as f64;
-        Err(CaseError::TooManyParticles {
-            count,
-            limit: MOST,
-            gib,
-        })
+        Err(CaseError::TooManyParticles { count, limit: MOST, gib })
     }
 
     /// Makes room for exactly the fill's particles: growing by doubling could take twice as much.

@@ -21,29 +21,16 @@ pub(super) fn particles(
 ) -> Result<(Domain, Particles), CaseError> {
     let fills = fills(case, evaluator)?;
     let Some(first) = fills.first() else {
-        return Err(CaseError::MissingKey {
-            path: "particles.fill[0]".to_owned(),
-        });
+        return Err(CaseError::MissingKey { path: "particles.fill[0]".to_owned() });
     };
     let origin = first.bounds.0;
-    let (min, max) = fills.iter().fold(first.bounds, |all, fill| {
-        (all.0.min(fill.bounds.0), all.1.max(fill.bounds.1))
-    });
+    let (min, max) = fills
+        .iter()
+        .fold(first.bounds, |all, fill| (all.0.min(fill.bounds.0), all.1.max(fill.bounds.1)));
     let periodic = periodic(&case.boundaries, evaluator.dimension)?;
     let domain = Domain { min, max, periodic };
-    check_whole(
-        case,
-        evaluator.dimension,
-        spacing,
-        &domain,
-        &fills,
-        warnings,
-    )?;
-    let lattice = Lattice {
-        origin,
-        spacing,
-        dimension: evaluator.dimension,
-    };
+    check_whole(case, evaluator.dimension, spacing, &domain, &fills, warnings)?;
+    let lattice = Lattice { origin, spacing, dimension: evaluator.dimension };
     let particles = lattice.fill(&fills)?;
     Ok((domain, particles))
 }
@@ -54,29 +41,14 @@ fn fills(case: &Case, evaluator: &Evaluator) -> Result<Vec<Fill>, CaseError> {
         let path = format!("particles.fill[{index}]");
         let shape_path = format!("{path}.shape");
         let shape = spec.shape.resolve(evaluator, &shape_path)?;
-        let bounds = shape
-            .bounds()
-            .ok_or(CaseError::Unbounded { path: shape_path })?;
-        let material = names
-            .iter()
-            .position(|name| **name == spec.material)
-            .ok_or_else(|| {
-                let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
-                let nearest = nearest(&spec.material, &known, 1);
-                let (path, text) = (format!("{path}.material"), spec.material.clone());
-                CaseError::UnknownName {
-                    path,
-                    text,
-                    nearest,
-                    known,
-                }
-            })?;
-        Ok(Fill {
-            path,
-            shape,
-            bounds,
-            material: material as u16,
-        })
+        let bounds = shape.bounds().ok_or(CaseError::Unbounded { path: shape_path })?;
+        let material = names.iter().position(|name| **name == spec.material).ok_or_else(|| {
+            let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
+            let nearest = nearest(&spec.material, &known, 1);
+            let (path, text) = (format!("{path}.material"), spec.material.clone());
+            CaseError::UnknownName { path, text, nearest, known }
+        })?;
+        Ok(Fill { path, shape, bounds, material: material as u16 })
     };
     case.particles.fill.iter().enumerate().map(fill).collect()
 }
@@ -99,13 +71,7 @@ fn check_whole(
         if domain.periodic[axis] && !whole(extent) {
             let fits = extent / (extent / spacing).round().max(1.0);
             let path = "particles.spacing".to_owned();
-            return Err(CaseError::NotWhole {
-                path,
-                spacing,
-                axis: name,
-                extent,
-                fits,
-            });
+            return Err(CaseError::NotWhole { path, spacing, axis: name, extent, fits });
         }
         for (fill, spec) in fills.iter().zip(&case.particles.fill) {
             let extent = (fill.bounds.1 - fill.bounds.0)[axis];

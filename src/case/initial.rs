@@ -51,18 +51,14 @@ pub(super) fn resolve(entries: &[InitialSpec], ground: &Ground) -> Result<Initia
                 let reason = "it belongs to a value; an amount has a place, at";
                 forbid(&path, "where", entry.selection.is_some(), reason)?;
                 let at = entry.at.as_ref();
-                let at = at.ok_or(CaseError::MissingKey {
-                    path: format!("{path}.at"),
-                })?;
+                let at = at.ok_or(CaseError::MissingKey { path: format!("{path}.at") })?;
                 amounts.push((index, path, amount, at));
             }
             (Some(_), Some(_)) => {
                 forbid(&path, "amount", true, "the entry has a value already")?;
             }
             (None, None) => {
-                return Err(CaseError::MissingKey {
-                    path: format!("{path}.value"),
-                });
+                return Err(CaseError::MissingKey { path: format!("{path}.value") });
             }
         }
     }
@@ -76,10 +72,7 @@ fn forbid(path: &str, key: &str, given: bool, reason: &str) -> Result<(), CaseEr
     if !given {
         return Ok(());
     }
-    Err(CaseError::UnusedKey {
-        path: format!("{path}.{key}"),
-        reason: reason.to_owned(),
-    })
+    Err(CaseError::UnusedKey { path: format!("{path}.{key}"), reason: reason.to_owned() })
 }
 
 impl Ground<'_> {
@@ -93,13 +86,10 @@ impl Ground<'_> {
         let value = self.evaluator.field(&format!("{path}.value"), value)?;
         let position = &self.particles.position;
         let Some(selection) = selection else {
-            return initial
-                .par_iter_mut()
-                .zip(position)
-                .try_for_each(|(entry, &x)| {
-                    *entry = value.at(x, 0.0)?;
-                    Ok(())
-                });
+            return initial.par_iter_mut().zip(position).try_for_each(|(entry, &x)| {
+                *entry = value.at(x, 0.0)?;
+                Ok(())
+            });
         };
         let path = format!("{path}.where");
         let shape = selection.resolve(self.evaluator, &path)?;
@@ -122,10 +112,7 @@ impl Ground<'_> {
         let at = self.evaluator.point(&at_path, at)?;
         super::plan::check_inside(&at_path, at, self.domain, self.evaluator, self.spacing)?;
         let nearest = self.nearest(at);
-        let volume: f64 = nearest
-            .iter()
-            .map(|&b| self.particles.volume[b as usize])
-            .sum();
+        let volume: f64 = nearest.iter().map(|&b| self.particles.volume[b as usize]).sum();
         for particle in nearest {
             initial.value[particle as usize] += amount / volume;
             initial.recipients.push((particle, index));
@@ -138,10 +125,7 @@ impl Ground<'_> {
     fn nearest(&self, at: DVec3) -> Vec<u32> {
         let dist = |x: &DVec3| self.domain.nearest_image(*x - at).length();
         let position = &self.particles.position;
-        let least = position
-            .par_iter()
-            .map(dist)
-            .reduce(|| f64::INFINITY, f64::min);
+        let least = position.par_iter().map(dist).reduce(|| f64::INFINITY, f64::min);
         let reach = least + SAME_DISTANCE * self.spacing;
         position
             .par_iter()

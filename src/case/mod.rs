@@ -80,13 +80,9 @@ pub fn load(source: &str, overrides: &[Override]) -> Result<Scene, CaseError> {
         }
     }
     let file = Path::new(source);
-    let text = std::fs::read_to_string(file).map_err(|source| CaseError::Unreadable {
-        file: file.to_owned(),
-        source,
-    })?;
-    let name = file
-        .file_stem()
-        .map_or(source.into(), |stem| stem.to_string_lossy());
+    let text = std::fs::read_to_string(file)
+        .map_err(|source| CaseError::Unreadable { file: file.to_owned(), source })?;
+    let name = file.file_stem().map_or(source.into(), |stem| stem.to_string_lossy());
     from_text(&name, &text, overrides)
 }
 

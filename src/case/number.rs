@@ -12,12 +12,8 @@ use crate::model::ScalarField;
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
-const CONSTANTS: [(&str, f64); 4] = [
-    ("pi", std::f64::consts::PI),
-    ("year", 31_536_000.0),
-    ("day", 86_400.0),
-    ("hour", 3_600.0),
-];
+const CONSTANTS: [(&str, f64); 4] =
+    [("pi", std::f64::consts::PI), ("year", 31_536_000.0), ("day", 86_400.0), ("hour", 3_600.0)];
 
 /// A JSON number or an expression, kept as written. Its type is checked where it is evaluated, so
 /// that the message can name the path even inside a tagged object.
@@ -119,11 +115,7 @@ impl Evaluator {
         };
         if entries.len() != self.dimension {
             let (path, found) = (path.to_owned(), entries.len());
-            return Err(CaseError::Components {
-                path,
-                found,
-                dimension: self.dimension,
-            });
+            return Err(CaseError::Components { path, found, dimension: self.dimension });
         }
         let mut vector = DVec3::ZERO;
         for (axis, entry) in entries.iter().enumerate() {
@@ -148,36 +140,22 @@ impl Evaluator {
         number: &Number,
         dependence: Dependence,
     ) -> Result<Field, CaseError> {
-        let source = Source {
-            path: path.to_owned(),
-            evaluator: *self,
-            dependence,
-        };
+        let source = Source { path: path.to_owned(), evaluator: *self, dependence };
         let (scalar, constant) = match &number.0 {
             Value::String(text) => {
                 let expression = self.parse(path, text, dependence)?;
                 let constant = expression.constant();
-                (
-                    ScalarField::new(text.as_str(), move |x, t| expression.eval(x, t)),
-                    constant,
-                )
+                (ScalarField::new(text.as_str(), move |x, t| expression.eval(x, t)), constant)
             }
             other => {
                 let value = literal(path, other)?;
-                (
-                    ScalarField::new(other.to_string(), move |_, _| value),
-                    Some(value),
-                )
+                (ScalarField::new(other.to_string(), move |_, _| value), Some(value))
             }
         };
         if let Some(value) = constant {
             self.finite(path, &number.0, value, dependence)?;
         }
-        Ok(Field {
-            scalar,
-            constant,
-            source,
-        })
+        Ok(Field { scalar, constant, source })
     }
 
     fn parse(
@@ -225,12 +203,7 @@ impl Evaluator {
 
     fn error(&self, path: &str, text: &str, reason: String, dependence: Dependence) -> CaseError {
         let (path, text) = (path.to_owned(), text.to_owned());
-        CaseError::Expression {
-            path,
-            text,
-            reason,
-            allowed: self.allowed(dependence),
-        }
+        CaseError::Expression { path, text, reason, allowed: self.allowed(dependence) }
     }
 
     fn finite(
@@ -243,9 +216,7 @@ impl Evaluator {
         if value.is_finite() {
             return Ok(value);
         }
-        let text = written
-            .as_str()
-            .map_or_else(|| written.to_string(), str::to_owned);
+        let text = written.as_str().map_or_else(|| written.to_string(), str::to_owned);
         Err(self.error(path, &text, format!("gives {value}"), dependence))
     }
 }
@@ -279,11 +250,7 @@ impl Field {
             Dependence::PositionAndTime => format!("gives {value} at {place}, t = {t} s"),
             _ => format!("gives {value} at {place}"),
         };
-        let Source {
-            path,
-            evaluator,
-            dependence,
-        } = &self.source;
+        let Source { path, evaluator, dependence } = &self.source;
         Err(evaluator.error(path, self.scalar.text(), reason, *dependence))
     }
 }
@@ -299,32 +266,21 @@ pub(super) fn in_range(
         return Ok(value);
     }
     let (path, requirement) = (path.to_owned(), requirement.to_owned());
-    Err(CaseError::Range {
-        path,
-        value,
-        requirement,
-    })
+    Err(CaseError::Range { path, value, requirement })
 }
 
 /// A position in a message: its first `dimension` coordinates.
 pub(super) fn show(x: DVec3, dimension: usize) -> String {
-    let coordinates: Vec<String> = x.to_array()[..dimension]
-        .iter()
-        .map(|value| value.to_string())
-        .collect();
+    let coordinates: Vec<String> =
+        x.to_array()[..dimension].iter().map(|value| value.to_string()).collect();
     format!("[{}]", coordinates.join(", "))
 }
 
 fn literal(path: &str, value: &Value) -> Result<f64, CaseError> {
-    value
-        .as_f64()
-        .ok_or_else(|| wrong_type(path, "a number or an expression", value))
+    value.as_f64().ok_or_else(|| wrong_type(path, "a number or an expression", value))
 }
 
 fn wrong_type(path: &str, expected: &str, found: &Value) -> CaseError {
     let reason = format!("expected {expected}, found {found}");
-    CaseError::WrongType {
-        path: path.to_owned(),
-        reason,
-    }
+    CaseError::WrongType { path: path.to_owned(), reason }
 }

@@ -17,9 +17,7 @@ impl Override {
     /// Reads `path.to.key=value`; the value is JSON if it parses, else a string. `fill[0]` may
     /// stand for `fill.0`, as in messages.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
-        let syntax = || CaseError::OverrideSyntax {
-            text: text.to_owned(),
-        };
+        let syntax = || CaseError::OverrideSyntax { text: text.to_owned() };
         let (path, value) = text.split_once('=').ok_or_else(syntax)?;
         let path = path.trim().replace('[', ".").replace(']', "");
         if path.split('.').any(str::is_empty) {
@@ -43,12 +41,7 @@ impl Override {
         if from.is_null() {
             *from = Value::Object(Map::new());
         }
-        let fail = |reason| {
-            Err(CaseError::OverridePath {
-                path: self.path.clone(),
-                reason,
-            })
-        };
+        let fail = |reason| Err(CaseError::OverridePath { path: self.path.clone(), reason });
         match from {
             Value::Object(map) => Ok(map.entry(key.to_owned()).or_insert(Value::Null)),
             Value::Array(list) => {
@@ -80,18 +73,9 @@ mod tests {
         assert_eq!(applied("n=6").expect("set")["n"], json!(6));
         assert_eq!(applied("n=2*year").expect("set")["n"], json!("2*year"));
         assert_eq!(applied("n=[1,2]").expect("set")["n"], json!([1, 2]));
-        assert_eq!(
-            applied("a.b.1.c=x=3").expect("set")["a"]["b"][1]["c"],
-            json!("x=3")
-        );
-        assert_eq!(
-            applied("a.b[1].c=7").expect("set")["a"]["b"][1]["c"],
-            json!(7)
-        );
-        assert_eq!(
-            applied("p.q.r=1").expect("set")["p"],
-            json!({ "q": { "r": 1 } })
-        );
+        assert_eq!(applied("a.b.1.c=x=3").expect("set")["a"]["b"][1]["c"], json!("x=3"));
+        assert_eq!(applied("a.b[1].c=7").expect("set")["a"]["b"][1]["c"], json!(7));
+        assert_eq!(applied("p.q.r=1").expect("set")["p"], json!({ "q": { "r": 1 } }));
     }
 
     #[test]

@@ -18,9 +18,7 @@ pub(super) fn parse(text: &str) -> Result<Value, CaseError> {
     let value = StrictSeed
         .deserialize(tracked)
         .map_err(|error| failed(written(&track.path()), error.to_string()))?;
-    deserializer
-        .end()
-        .map_err(|error| failed(String::new(), error.to_string()))?;
+    deserializer.end().map_err(|error| failed(String::new(), error.to_string()))?;
     Ok(value)
 }
 
@@ -39,83 +37,48 @@ fn written(path: &serde_path_to_error::Path) -> String {
 /// Turns serde's message into an error with values. What serde puts between backquotes are the
 /// offending name and then the known ones.
 fn explain(json: &Value, path: &str, message: &str) -> CaseError {
-    let quoted: Vec<String> = message
-        .split('`')
-        .skip(1)
-        .step_by(2)
-        .map(str::to_owned)
-        .collect();
+    let quoted: Vec<String> = message.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     let first = quoted.first().cloned().unwrap_or_default();
     let known: Vec<String> = quoted.iter().skip(1).cloned().collect();
     let nearest = nearest(&first, &known, 1);
     if message.starts_with("unknown field") {
-        return CaseError::UnknownKey {
-            path: below(path, &first),
-            nearest,
-            known,
-        };
+        return CaseError::UnknownKey { path: below(path, &first), nearest, known };
     }
     if message.starts_with("missing field") {
-        return CaseError::MissingKey {
-            path: join(path, &first),
-        };
+        return CaseError::MissingKey { path: join(path, &first) };
     }
     if message.starts_with("unknown variant") {
         let found = lookup(json, path);
         if found.is_some_and(|value| value.get(&first).is_some()) {
-            return CaseError::UnknownKey {
-                path: join(path, &first),
-                nearest,
-                known,
-            };
+            return CaseError::UnknownKey { path: join(path, &first), nearest, known };
         }
         // A tagged object is known to serde by its own path, not by that of the tag.
         let tagged = found.is_some_and(Value::is_object);
-        let path = if tagged {
-            join(path, "name")
-        } else {
-            path.to_owned()
-        };
-        return CaseError::UnknownName {
-            path,
-            text: first,
-            nearest,
-            known,
-        };
+        let path = if tagged { join(path, "name") } else { path.to_owned() };
+        return CaseError::UnknownName { path, text: first, nearest, known };
     }
     let path = if path.is_empty() { "case" } else { path }.to_owned();
-    CaseError::WrongType {
-        path,
-        reason: message.replace('`', ""),
-    }
+    CaseError::WrongType { path, reason: message.replace('`', "") }
 }
 
 fn join(path: &str, key: &str) -> String {
-    if path.is_empty() {
-        key.to_owned()
-    } else {
-        format!("{path}.{key}")
-    }
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 /// `path.key`, unless the path ends with the key already.
 fn below(path: &str, key: &str) -> String {
     let ends_with_key = path.rsplit('.').next() == Some(key);
-    if ends_with_key {
-        path.to_owned()
-    } else {
-        join(path, key)
-    }
+    if ends_with_key { path.to_owned() } else { join(path, key) }
 }
 
 fn lookup<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
     let path = path.replace('[', ".").replace(']', "");
-    path.split('.')
-        .filter(|segment| !segment.is_empty())
-        .try_fold(json, |value, segment| match segment.parse::<usize>() {
+    path.split('.').filter(|segment| !segment.is_empty()).try_fold(json, |value, segment| {
+        match segment.parse::<usize>() {
             Ok(index) if value.is_array() => value.get(index),
             _ => value.get(segment),
-        })
+        }
+    })
 }
 
 /// A JSON value whose objects have no key twice.
@@ -182,9 +145,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
         let mut map = Map::new();
         while let Some((key, Strict(value))) = access.next_entry::<String, Strict>()? {
             if map.contains_key(&key) {
-                return Err(A::Error::custom(format!(
-                    "the key \"{key}\" is given twice"
-                )));
+                return Err(A::Error::custom(format!("the key \"{key}\" is given twice")));
             }
             map.insert(key, value);
         }

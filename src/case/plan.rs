@@ -30,13 +30,7 @@ pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseE
     };
     let output_every = every("every", &case.output.every, end)?;
     let probe_every = every("probe_every", &case.output.probe_every, output_every)?;
-    Ok(TimePlan {
-        end,
-        step,
-        method,
-        output_every,
-        probe_every,
-    })
+    Ok(TimePlan { end, step, method, output_every, probe_every })
 }
 
 /// The probes: inside the domain, no name twice.
@@ -53,15 +47,9 @@ pub(super) fn probes(
         check_inside(&path, at, domain, evaluator, spacing)?;
         if probes.iter().any(|probe| probe.name == spec.name) {
             let path = format!("probes[{index}].name");
-            return Err(CaseError::Duplicate {
-                path,
-                text: spec.name.clone(),
-            });
+            return Err(CaseError::Duplicate { path, text: spec.name.clone() });
         }
-        probes.push(Probe {
-            name: spec.name.clone(),
-            at,
-        });
+        probes.push(Probe { name: spec.name.clone(), at });
     }
     Ok(probes)
 }
@@ -81,12 +69,7 @@ pub(super) fn check_inside(
     }
     let text = |x| show(x, evaluator.dimension);
     let (min, max) = (text(domain.min), text(domain.max));
-    Err(CaseError::OutsideDomain {
-        path: path.to_owned(),
-        point: text(at),
-        min,
-        max,
-    })
+    Err(CaseError::OutsideDomain { path: path.to_owned(), point: text(at), min, max })
 }
 
 /// Writes down what the file leaves to defaults, so that a later change of a default does not
@@ -112,10 +95,7 @@ pub(super) fn fields(case: &Case) -> Result<Vec<OutputField>, CaseError> {
     for (index, field) in fields.iter().enumerate() {
         if fields[..index].contains(field) {
             let path = format!("output.fields[{index}]");
-            return Err(CaseError::Duplicate {
-                path,
-                text: format!("{field:?}").to_lowercase(),
-            });
+            return Err(CaseError::Duplicate { path, text: format!("{field:?}").to_lowercase() });
         }
     }
     Ok(fields)

@@ -145,11 +145,7 @@ pub(super) struct InitialSpec {
 
 /// What happens at the edge, or wherever particles are held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    deny_unknown_fields,
-    rename_all = "snake_case",
-    expecting = "an object of one key"
-)]
+#[serde(deny_unknown_fields, rename_all = "snake_case", expecting = "an object of one key")]
 pub(super) enum BoundarySpec {
     /// Particles whose value does not change.
     Held {

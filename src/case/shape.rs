@@ -9,22 +9,14 @@ use super::number::{Evaluator, Number, Point, in_range};
 
 /// A region of space; its surface belongs to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    deny_unknown_fields,
-    rename_all = "snake_case",
-    expecting = "an object of one key"
-)]
+#[serde(deny_unknown_fields, rename_all = "snake_case", expecting = "an object of one key")]
 pub(super) enum ShapeSpec {
     /// A box along the axes.
     Box { min: Point, max: Point },
     /// A ball; in 2-D a disk.
     Sphere { center: Point, radius: Number },
     /// A round cylinder with flat ends, in 3-D.
-    Cylinder {
-        from: Point,
-        to: Point,
-        radius: Number,
-    },
+    Cylinder { from: Point, to: Point, radius: Number },
     /// What lies between two concentric spheres.
     Shell(ShellSpec),
     /// What lies between two concentric circles, in 2-D; in 3-D the same as a shell.
@@ -34,10 +26,7 @@ pub(super) enum ShapeSpec {
     /// What is in any of the shapes.
     Union(Vec<ShapeSpec>),
     /// `of` without the shapes of `minus` and their surfaces.
-    Difference {
-        of: Box<ShapeSpec>,
-        minus: Vec<ShapeSpec>,
-    },
+    Difference { of: Box<ShapeSpec>, minus: Vec<ShapeSpec> },
 }
 
 /// Centre and radii of a shell.
@@ -95,60 +84,30 @@ impl ShapeSpec {
                 let center = point("sphere.center", center)?;
                 let outer_radius = positive("sphere.radius", radius)?;
                 let dimension = evaluator.dimension;
-                Ok(Shape::Shell {
-                    center,
-                    inner_radius: -1.0,
-                    outer_radius,
-                    dimension,
-                })
+                Ok(Shape::Shell { center, inner_radius: -1.0, outer_radius, dimension })
             }
             Self::Cylinder { from, to, radius } => {
                 let needs = "a cylinder needs dimension 3; use sphere, which is a disk in 2-D";
                 demand(evaluator.dimension == 3, path, needs)?;
                 let (from, to) = (point("cylinder.from", from)?, point("cylinder.to", to)?);
-                demand(
-                    from != to,
-                    path,
-                    "cylinder.from and cylinder.to must differ",
-                )?;
-                Ok(Shape::Cylinder {
-                    from,
-                    to,
-                    radius: positive("cylinder.radius", radius)?,
-                })
+                demand(from != to, path, "cylinder.from and cylinder.to must differ")?;
+                Ok(Shape::Cylinder { from, to, radius: positive("cylinder.radius", radius)? })
             }
             Self::Shell(shell) => shell.resolve(evaluator, &format!("{path}.shell")),
             Self::Annulus(shell) => shell.resolve(evaluator, &format!("{path}.annulus")),
-            Self::HalfSpace {
-                point: foot,
-                normal,
-            } => {
+            Self::HalfSpace { point: foot, normal } => {
                 let normal = point("half_space.normal", normal)?.normalize_or_zero();
-                demand(
-                    normal != DVec3::ZERO,
-                    path,
-                    "half_space.normal must not be zero",
-                )?;
-                Ok(Shape::HalfSpace {
-                    point: point("half_space.point", foot)?,
-                    normal,
-                })
+                demand(normal != DVec3::ZERO, path, "half_space.normal must not be zero")?;
+                Ok(Shape::HalfSpace { point: point("half_space.point", foot)?, normal })
             }
             Self::Union(shapes) => {
                 demand(!shapes.is_empty(), path, "union needs at least one shape")?;
-                Ok(Shape::Union(resolve_all(
-                    shapes,
-                    evaluator,
-                    &format!("{path}.union"),
-                )?))
+                Ok(Shape::Union(resolve_all(shapes, evaluator, &format!("{path}.union"))?))
             }
             Self::Difference { of, minus } => {
                 let of = Box::new(of.resolve(evaluator, &format!("{path}.difference.of"))?);
                 let minus_path = format!("{path}.difference.minus");
-                Ok(Shape::Difference {
-                    of,
-                    minus: resolve_all(minus, evaluator, &minus_path)?,
-                })
+                Ok(Shape::Difference { of, minus: resolve_all(minus, evaluator, &minus_path)? })
             }
         }
     }
@@ -158,10 +117,7 @@ fn demand(holds: bool, path: &str, reason: &str) -> Result<(), CaseError> {
     if holds {
         return Ok(());
     }
-    Err(CaseError::Shape {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-    })
+    Err(CaseError::Shape { path: path.to_owned(), reason: reason.to_owned() })
 }
 
 impl ShellSpec {
@@ -171,20 +127,10 @@ impl ShellSpec {
         let outer_path = format!("{path}.outer_radius");
         let outer_radius = evaluator.positive(&outer_path, &self.outer_radius)?;
         let narrower = inner_radius < outer_radius;
-        in_range(
-            &inner_path,
-            inner_radius,
-            narrower,
-            "below the outer radius",
-        )?;
+        in_range(&inner_path, inner_radius, narrower, "below the outer radius")?;
         let center = evaluator.point(&format!("{path}.center"), &self.center)?;
         let dimension = evaluator.dimension;
-        Ok(Shape::Shell {
-            center,
-            inner_radius,
-            outer_radius,
-            dimension,
-        })
+        Ok(Shape::Shell { center, inner_radius, outer_radius, dimension })
     }
 }
 
@@ -213,12 +159,7 @@ impl Shape {
                 let across = (x - *from - along * direction).length();
                 across <= radius + tolerance && along >= -tolerance && along <= length + tolerance
             }
-            Self::Shell {
-                center,
-                inner_radius,
-                outer_radius,
-                ..
-            } => {
+            Self::Shell { center, inner_radius, outer_radius, .. } => {
                 let dist = x.distance(*center);
                 dist >= inner_radius - tolerance && dist <= outer_radius + tolerance
             }
@@ -237,18 +178,11 @@ impl Shape {
             Self::Cylinder { from, to, radius } => {
                 let direction = (*to - *from).normalize();
                 // The rim of an end reaches radius sin(angle) along an axis.
-                let sine = (DVec3::ONE - direction * direction)
-                    .max(DVec3::ZERO)
-                    .map(f64::sqrt);
+                let sine = (DVec3::ONE - direction * direction).max(DVec3::ZERO).map(f64::sqrt);
                 let reach = *radius * sine;
                 Some((from.min(*to) - reach, from.max(*to) + reach))
             }
-            Self::Shell {
-                center,
-                outer_radius,
-                dimension,
-                ..
-            } => {
+            Self::Shell { center, outer_radius, dimension, .. } => {
                 let mut reach = DVec3::ZERO;
                 for axis in 0..*dimension {
                     reach[axis] = *outer_radius;

@@ -33,15 +33,10 @@ pub fn shipped_text(name: &str) -> Result<&'static str, CaseError> {
 /// What to say of a name that is no shipped case.
 pub(super) fn not_found(name: &str) -> CaseError {
     let names: Vec<String> = shipped().into_iter().map(|(name, _)| name).collect();
-    CaseError::NotFound {
-        text: name.to_owned(),
-        nearest: super::error::nearest(name, &names, 3),
-    }
+    CaseError::NotFound { text: name.to_owned(), nearest: super::error::nearest(name, &names, 3) }
 }
 
 fn title(name: &str) -> String {
-    let json = text(name)
-        .and_then(|text| super::parse::parse(text).ok())
-        .unwrap_or_default();
+    let json = text(name).and_then(|text| super::parse::parse(text).ok()).unwrap_or_default();
     json["title"].as_str().unwrap_or_default().to_owned()
 }

@@ -29,10 +29,7 @@ pub(super) fn remove(
     let before = match read(original) {
         Ok(mut case) if !overrides.is_empty() => take_out(&mut case),
         _ => {
-            return found
-                .into_iter()
-                .next()
-                .map_or(Ok(Vec::new()), |unused| Err(unused.error()));
+            return found.into_iter().next().map_or(Ok(Vec::new()), |unused| Err(unused.error()));
         }
     };
     let mut warnings = Vec::new();
@@ -47,10 +44,7 @@ pub(super) fn remove(
 
 impl Unused {
     fn error(self) -> CaseError {
-        CaseError::UnusedKey {
-            path: self.path,
-            reason: self.reason.to_owned(),
-        }
+        CaseError::UnusedKey { path: self.path, reason: self.reason.to_owned() }
     }
 }
 
@@ -70,10 +64,7 @@ fn take_out(case: &mut Case) -> Vec<Unused> {
         |field: &OutputField| matches!(field, OutputField::Exact | OutputField::Error);
     if let Some(fields) = &mut case.output.fields {
         if case.exact.is_none() && fields.iter().any(needs_exact) {
-            drop(
-                "output.fields".to_owned(),
-                "exact and error need an exact solution",
-            );
+            drop("output.fields".to_owned(), "exact and error need an exact solution");
             fields.retain(|field| !needs_exact(field));
         }
     }
@@ -96,11 +87,6 @@ fn take_out(case: &mut Case) -> Vec<Unused> {
 }
 
 pub(super) fn is_zero(number: &Number) -> bool {
-    let evaluator = Evaluator {
-        dimension: 1,
-        spacing: Some(1.0),
-    };
-    evaluator
-        .number("time.end", number)
-        .is_ok_and(|value| value == 0.0)
+    let evaluator = Evaluator { dimension: 1, spacing: Some(1.0) };
+    evaluator.number("time.end", number).is_ok_and(|value| value == 0.0)
 }

@@ -24,11 +24,8 @@ pub(super) struct CaseArguments {
 impl CaseArguments {
     /// Loads the case with every override applied.
     pub(super) fn load(&self) -> Result<Scene, CliError> {
-        let mut overrides = self
-            .set
-            .iter()
-            .map(|text| Override::parse(text))
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut overrides =
+            self.set.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>()?;
         if let Some(method) = &self.method {
             overrides.push(Override::parse(&format!("time.method={method}"))?);
         }

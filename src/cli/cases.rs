@@ -18,8 +18,6 @@ pub(super) fn cases(arguments: &Arguments) -> Result<(), CliError> {
     }
     let cases = case::shipped();
     let width = cases.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let lines = cases
-        .iter()
-        .map(|(name, title)| format!("{name:width$}  {title}\n"));
+    let lines = cases.iter().map(|(name, title)| format!("{name:width$}  {title}\n"));
     print(lines.collect::<String>())
 }

@@ -8,7 +8,7 @@ use super::arguments::{CaseArguments, MachineArguments};
 use super::{CliError, print};
 use crate::case::Scene;
 use crate::model::integrator::Schedule;
-use crate::model::operator::rows::{Survey, cell_grid, survey};
+use crate::model::operator::rows::{Survey, assemble, cell_grid, survey};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
 use crate::solver::{Machine, Plan, SolverError, Step, choose_step, measure_limit};
 
@@ -32,7 +32,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let survey = survey(problem, &grid);
     SolverError::check_coincident(problem, &survey)?;
     let step = choose_step(problem, &survey, arguments.allow_unstable, || {
-        measure_limit(problem, &grid, &survey)
+        measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
     })?;
     let plan = Plan::new(problem, machine.kind());
     print(describe(&scene, &survey, &step, &plan, machine.adapter()))
@@ -56,24 +56,12 @@ fn describe(
         ("case", format!("{}: {}", scene.name, scene.title)),
         (
             "particles",
-            format!(
-                "{} in {}-D, {} held",
-                grouped(particles),
-                problem.dimension,
-                grouped(held)
-            ),
+            format!("{} in {}-D, {} held", grouped(particles), problem.dimension, grouped(held)),
         ),
-        (
-            "neighbours",
-            format!("{} a particle", significant(neighbors, 4)),
-        ),
+        ("neighbours", format!("{} a particle", significant(neighbors, 4))),
         (
             "kernel",
-            format!(
-                "{}, H = {} m",
-                problem.kernel.kind().name(),
-                problem.kernel.support_radius()
-            ),
+            format!("{}, H = {} m", problem.kernel.kind().name(), problem.kernel.support_radius()),
         ),
         (
             "machine",
@@ -96,10 +84,7 @@ fn describe(
                 seconds(limits.report.cfl),
                 seconds(limits.report.cfl_third),
                 seconds(limits.safe),
-                limits
-                    .measured
-                    .map(|m| format!(", measured {}", seconds(m)))
-                    .unwrap_or_default()
+                limits.measured.map(|m| format!(", measured {}", seconds(m))).unwrap_or_default()
             ),
         ),
         ("passes", plan.passes(problem).join(", ")),

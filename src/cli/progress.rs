@@ -21,11 +21,8 @@ impl Monitor {
         let flag = Arc::clone(&interrupted);
         ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
         // Drawn to standard error, and hidden by the library where that is no terminal.
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
+        let target =
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(None, target).with_style(style());
         Ok(Self { bar, interrupted })
     }
@@ -34,11 +31,7 @@ impl Monitor {
     pub(super) fn update(&self, progress: Progress) -> Wish {
         self.bar.set_length(progress.steps);
         self.bar.set_position(progress.step);
-        if self.interrupted.load(Ordering::Relaxed) {
-            Wish::Stop
-        } else {
-            Wish::Continue
-        }
+        if self.interrupted.load(Ordering::Relaxed) { Wish::Stop } else { Wish::Continue }
     }
 
     /// Removes the bar.

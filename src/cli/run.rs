@@ -14,11 +14,9 @@ use crate::solver::Machine;
 use crate::study::{self, Outcome, RunOptions};
 
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run gaussian --set \
+#[command(after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run gaussian --set \
                         operator.correction=moment --out corrected\n  diffusph run gaussian_small \
-                        --backend gpu --json | jq .error"
-)]
+                        --backend gpu --json | jq .error")]
 pub(super) struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
@@ -70,13 +68,8 @@ fn folder(arguments: &Arguments, scene: &Scene) -> Result<Option<OutputFolder>, 
     if arguments.no_output {
         return Ok(None);
     }
-    let path = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
-    OutputFolder::create(path)
-        .map(Some)
-        .map_err(CliError::Folder)
+    let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+    OutputFolder::create(path).map(Some).map_err(CliError::Folder)
 }
 
 fn show(

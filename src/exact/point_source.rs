@@ -29,18 +29,12 @@ impl PointSource {
             return at_start(square == 0.0, self.amount);
         }
         let spread = 4.0 * self.diffusivity * t;
-        let norm = (std::f64::consts::PI * spread)
-            .sqrt()
-            .powi(self.dimension as i32);
+        let norm = (std::f64::consts::PI * spread).sqrt().powi(self.dimension as i32);
         self.amount / (self.porosity * norm) * (-square / spread).exp()
     }
 }
 
 /// The value of a point mass at t = 0: 0 away from it, infinite at it.
 pub(super) fn at_start(at_the_mass: bool, amount: f64) -> f64 {
-    if at_the_mass {
-        amount * f64::INFINITY
-    } else {
-        0.0
-    }
+    if at_the_mass { amount * f64::INFINITY } else { 0.0 }
 }

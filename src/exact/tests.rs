@@ -7,12 +7,7 @@ const YEAR: f64 = 31_536_000.0;
 
 fn walls(dimension: usize) -> ZeroFluxBox {
     let max = DVec3::new(1.0, 1.5, 0.8);
-    ZeroFluxBox {
-        dimension,
-        min: DVec3::ZERO,
-        max,
-        diffusivity: 0.3,
-    }
+    ZeroFluxBox { dimension, min: DVec3::ZERO, max, diffusivity: 0.3 }
 }
 
 fn rod() -> Slab {
@@ -101,17 +96,9 @@ fn solutions_satisfy_the_equation() {
         for solution in transient(dimension) {
             for t in [0.02, 0.11, 0.9] {
                 let found = residual(&solution, dimension, 0.3, x, t);
-                assert!(
-                    found < 1e-5,
-                    "{} {dimension}-D t = {t}: {found}",
-                    solution.name()
-                );
+                assert!(found < 1e-5, "{} {dimension}-D t = {t}: {found}", solution.name());
                 // Negative control: another diffusivity does not satisfy it.
-                assert!(
-                    residual(&solution, dimension, 0.33, x, t) > 1e-2,
-                    "{}",
-                    solution.name()
-                );
+                assert!(residual(&solution, dimension, 0.33, x, t) > 1e-2, "{}", solution.name());
             }
         }
     }
@@ -136,13 +123,8 @@ fn masses_are_kept_and_nothing_crosses_the_walls() {
                     sum += solution.at(x, t);
                 }
                 // The midpoint rule is spectrally accurate for zero flux at the ends.
-                let cell: f64 = (0..dimension)
-                    .map(|axis| walls.max[axis] / n as f64)
-                    .product();
-                assert!(
-                    (sum * cell / mass - 1.0).abs() < 1e-12,
-                    "{dimension}-D, t = {t}"
-                );
+                let cell: f64 = (0..dimension).map(|axis| walls.max[axis] / n as f64).product();
+                assert!((sum * cell / mass - 1.0).abs() < 1e-12, "{dimension}-D, t = {t}");
                 for axis in 0..dimension {
                     let mut near = DVec3::splat(0.2);
                     near[axis] = walls.max[axis] - 1e-4;
@@ -165,10 +147,7 @@ fn the_two_forms_agree() {
         }
         for place in [0.1, 0.5, 0.93] {
             let (short, long) = (rod().reflections(place, time), rod().sines(place, time));
-            assert!(
-                (short - long).abs() < 1e-11,
-                "{time} {place}: {short} {long}"
-            );
+            assert!((short - long).abs() < 1e-11, "{time} {place}: {short} {long}");
         }
     }
 }
@@ -185,40 +164,17 @@ fn short_times_are_accurate() {
 #[test]
 fn known_values() {
     let close = |found: f64, expected: f64, tolerance: f64| {
-        assert!(
-            (found - expected).abs() < tolerance,
-            "{found}, expected {expected}"
-        );
+        assert!((found - expected).abs() < tolerance, "{found}, expected {expected}");
     };
     let at = DVec3::splat(25.0);
     let x = DVec3::splat(25.25);
     let diffusivity = 15.0 / YEAR;
-    let free = PointSource {
-        dimension: 3,
-        amount: 1000.0,
-        at,
-        diffusivity,
-        porosity: 1.0,
-    };
+    let free = PointSource { dimension: 3, amount: 1000.0, at, diffusivity, porosity: 1.0 };
     close(free.at(x, 2.0 * YEAR), 0.13640326, 5e-9);
-    let walls = ZeroFluxBox {
-        dimension: 3,
-        min: DVec3::ZERO,
-        max: 2.0 * at,
-        diffusivity,
-    };
-    let masses = MassesInBox {
-        walls,
-        amount: 1000.0,
-        at,
-        separation: 0.5,
-    };
+    let walls = ZeroFluxBox { dimension: 3, min: DVec3::ZERO, max: 2.0 * at, diffusivity };
+    let masses = MassesInBox { walls, amount: 1000.0, at, separation: 0.5 };
     close(masses.at(x, 2.0 * YEAR), 0.13619051, 5e-9);
-    for (x, expected) in [
-        (0.01, 431.7062733),
-        (0.02, 375.3518236),
-        (0.05, 305.4250772),
-    ] {
+    for (x, expected) in [(0.01, 431.7062733), (0.02, 375.3518236), (0.05, 305.4250772)] {
         close(rod().at(DVec3::splat(x), 2.0), expected, 5e-8);
     }
 }
@@ -246,18 +202,9 @@ fn ends_of_time_and_space() {
 #[test]
 fn evaluate_is_at_of_every_position() {
     let field = ScalarField::new("x*t", |x, t| x.x * t);
-    let affine = Solution::Affine {
-        offset: 1.0,
-        gradient: DVec3::new(2.0, 0.0, 3.0),
-    };
+    let affine = Solution::Affine { offset: 1.0, gradient: DVec3::new(2.0, 0.0, 3.0) };
     let positions = [DVec3::ZERO, DVec3::ONE, DVec3::new(1.0, 2.0, 3.0)];
     assert_eq!(affine.evaluate(&positions, 0.0), [1.0, 6.0, 12.0]);
-    assert_eq!(
-        Solution::Expression(field).evaluate(&positions, 2.0),
-        [0.0, 2.0, 2.0]
-    );
-    assert_eq!(
-        Solution::Uniform { value: 4.0 }.evaluate(&positions, 2.0),
-        [4.0; 3]
-    );
+    assert_eq!(Solution::Expression(field).evaluate(&positions, 2.0), [0.0, 2.0, 2.0]);
+    assert_eq!(Solution::Uniform { value: 4.0 }.evaluate(&positions, 2.0), [4.0; 3]);
 }

@@ -38,11 +38,7 @@ impl ZeroFluxBox {
         let (min, length) = (self.min[axis], self.max[axis] - self.min[axis]);
         let time = self.diffusivity * t / (length * length);
         let (x, mass) = ((x - min) / length, (mass - min) / length);
-        let value = if time < SWITCH {
-            images(x, mass, time)
-        } else {
-            cosines(x, mass, time)
-        };
+        let value = if time < SWITCH { images(x, mass, time) } else { cosines(x, mass, time) };
         value / length
     }
 }
@@ -95,10 +91,7 @@ impl PointSourceInBox {
     pub fn at(&self, x: DVec3, t: f64) -> f64 {
         let axes = 0..self.walls.dimension;
         if t <= 0.0 {
-            return at_start(
-                axes.clone().all(|axis| x[axis] == self.at[axis]),
-                self.amount,
-            );
+            return at_start(axes.clone().all(|axis| x[axis] == self.at[axis]), self.amount);
         }
         let factor = |axis: usize| self.walls.along(axis, x[axis], self.at[axis], t);
         self.amount / self.porosity * axes.map(factor).product::<f64>()
@@ -129,10 +122,7 @@ impl MassesInBox {
         let masses =
             |axis: usize| [-0.5, 0.5].map(|offset| self.at[axis] + offset * self.separation);
         if t <= 0.0 {
-            return at_start(
-                axes.clone().all(|axis| masses(axis).contains(&x[axis])),
-                self.amount,
-            );
+            return at_start(axes.clone().all(|axis| masses(axis).contains(&x[axis])), self.amount);
         }
         let factor = |axis: usize| {
             let parts = masses(axis).map(|mass| self.walls.along(axis, x[axis], mass, t));

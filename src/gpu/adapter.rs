@@ -64,18 +64,12 @@ pub fn choose(name: Option<&str>, allow_software: bool) -> Result<Option<Adapter
     let chosen = match name {
         Some(part) => {
             let part = part.to_lowercase();
-            all.into_iter()
-                .find(|a| a.report.name.to_lowercase().contains(&part))
+            all.into_iter().find(|a| a.report.name.to_lowercase().contains(&part))
         }
-        None => all
-            .into_iter()
-            .find(|a| allow_software || !a.report.software),
+        None => all.into_iter().find(|a| allow_software || !a.report.software),
     };
     if chosen.is_none() && (name.is_some() || allow_software) {
-        return Err(GpuError::NoAdapter {
-            wanted: name.map(str::to_owned),
-            available,
-        });
+        return Err(GpuError::NoAdapter { wanted: name.map(str::to_owned), available });
     }
     Ok(chosen)
 }
@@ -91,9 +85,8 @@ fn ranked() -> Vec<Adapter> {
             .iter()
             .position(|&kind| kind == a.report.device_type);
         // The same device may be listed once an interface.
-        let interface = ["vulkan", "metal", "dx12"]
-            .iter()
-            .position(|&name| name == a.report.backend);
+        let interface =
+            ["vulkan", "metal", "dx12"].iter().position(|&name| name == a.report.backend);
         (rank, interface.unwrap_or(usize::MAX), a.report.name.clone())
     });
     all
@@ -112,9 +105,7 @@ fn describe(inner: wgpu::Adapter) -> Adapter {
         name: info.name,
         backend: info.backend.to_string(),
         device_type,
-        driver: format!("{} {}", info.driver, info.driver_info)
-            .trim()
-            .to_owned(),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         software: info.device_type == wgpu::DeviceType::Cpu,
         has_f64: features.contains(wgpu::Features::SHADER_F64),
         has_subgroups: features.contains(wgpu::Features::SUBGROUP),

@@ -30,11 +30,7 @@ impl Device {
     pub fn storage(&self, name: &str, bytes: u64) -> Result<Buffer, GpuError> {
         let available = self.max_binding_bytes();
         if bytes > available {
-            return Err(GpuError::TooLarge {
-                what: name.to_owned(),
-                needed: bytes,
-                available,
-            });
+            return Err(GpuError::TooLarge { what: name.to_owned(), needed: bytes, available });
         }
         let usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_DST
@@ -76,9 +72,7 @@ impl Device {
             let _ = sender.send(outcome.is_ok());
         });
         self.wait_for_all()?;
-        let map_error = || GpuError::Map {
-            what: buffer.name.clone(),
-        };
+        let map_error = || GpuError::Map { what: buffer.name.clone() };
         // Another thread may have polled the device and be about to make the call.
         if !receiver.recv().unwrap_or(false) {
             return Err(map_error());
@@ -106,11 +100,7 @@ impl Device {
     ) -> Result<Buffer, GpuError> {
         let available = self.raw().limits().max_buffer_size;
         if bytes > available {
-            return Err(GpuError::TooLarge {
-                what: name.to_owned(),
-                needed: bytes,
-                available,
-            });
+            return Err(GpuError::TooLarge { what: name.to_owned(), needed: bytes, available });
         }
         let inner = self.scoped(name, bytes, || {
             self.raw().create_buffer(&wgpu::BufferDescriptor {
@@ -120,10 +110,6 @@ impl Device {
                 mapped_at_creation: false,
             })
         })?;
-        Ok(Buffer {
-            inner,
-            name: name.to_owned(),
-            bytes,
-        })
+        Ok(Buffer { inner, name: name.to_owned(), bytes })
     }
 }

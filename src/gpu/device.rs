@@ -43,10 +43,7 @@ impl Device {
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.inner.request_device(&descriptor))
-            .map_err(|source| GpuError::Open {
-                adapter: adapter.report().name.clone(),
-                source,
-            })?;
+            .map_err(|source| GpuError::Open { adapter: adapter.report().name.clone(), source })?;
         let failure = Arc::new(Mutex::new(None));
         let on_lost = Arc::clone(&failure);
         device.set_device_lost_callback(move |reason, message| {
@@ -75,9 +72,7 @@ impl Device {
     /// Largest storage buffer that a shader sees at once, bytes.
     pub fn max_binding_bytes(&self) -> u64 {
         let limits = self.inner.device.limits();
-        limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size)
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 
     /// An error if shaders cannot use `real` here.
@@ -122,10 +117,7 @@ impl Device {
     }
 
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
-        let outcome = self.raw().poll(wgpu::PollType::Wait {
-            submission_index,
-            timeout: None,
-        });
+        let outcome = self.raw().poll(wgpu::PollType::Wait { submission_index, timeout: None });
         // The loss explains the failure of the wait, so it comes first.
         self.check()?;
         outcome?;
@@ -137,10 +129,9 @@ impl Device {
         match lock(&self.inner.failure).clone() {
             None => Ok(()),
             Some(Failure::Lost(reason)) => Err(GpuError::Lost { reason }),
-            Some(Failure::Refused(reason)) => Err(GpuError::Refused {
-                what: "earlier work".to_owned(),
-                reason,
-            }),
+            Some(Failure::Refused(reason)) => {
+                Err(GpuError::Refused { what: "earlier work".to_owned(), reason })
+            }
         }
     }
 
@@ -167,14 +158,12 @@ impl Device {
         self.check()?;
         match first {
             None => Ok(made),
-            Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory {
-                what: what.to_owned(),
-                needed,
-            }),
-            Some(error) => Err(GpuError::Refused {
-                what: what.to_owned(),
-                reason: error.to_string(),
-            }),
+            Some(wgpu::Error::OutOfMemory { .. }) => {
+                Err(GpuError::OutOfMemory { what: what.to_owned(), needed })
+            }
+            Some(error) => {
+                Err(GpuError::Refused { what: what.to_owned(), reason: error.to_string() })
+            }
         }
     }
 

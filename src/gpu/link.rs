@@ -45,11 +45,7 @@ impl BlockLayout {
 
     /// The size, bytes.
     pub fn size(&self, real: Real) -> usize {
-        let alignment = if self.reals.is_empty() {
-            4
-        } else {
-            real.size()
-        };
+        let alignment = if self.reals.is_empty() { 4 } else { real.size() };
         let end = match self.reals.len() {
             0 => 4 * self.counts.len(),
             reals => self.reals_offset(real) + reals * real.size(),
@@ -119,10 +115,7 @@ impl Binding {
             Holds::Read(e) => ("storage, read", format!("array<{}>", element(e))),
             Holds::Write(e) => ("storage, read_write", format!("array<{}>", element(e))),
         };
-        format!(
-            "@group(0) @binding({number}) var<{space}> {}: {of};\n",
-            self.name
-        )
+        format!("@group(0) @binding({number}) var<{space}> {}: {of};\n", self.name)
     }
 }
 

@@ -64,11 +64,7 @@ impl Device {
         })?;
         let workgroups = threads.div_ceil(u64::from(source.workgroup_size));
         let most = self.raw().limits().max_compute_workgroups_per_dimension;
-        Ok(Pass {
-            pipeline,
-            buffers,
-            workgroups: fold(workgroups, most),
-        })
+        Ok(Pass { pipeline, buffers, workgroups: fold(workgroups, most) })
     }
 
     /// The pipeline of `source`, compiled once a source.
@@ -89,35 +85,27 @@ impl Device {
             .zip(&source.bindings)
             .map(|(number, binding)| layout_entry(number, binding.holds))
             .collect();
-        let layout = self
-            .raw()
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label,
-                entries: &entries,
-            });
-        let pipeline_layout = self
-            .raw()
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            });
-        let module = self
-            .raw()
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label,
-                source: wgpu::ShaderSource::Wgsl(text.into()),
-            });
-        let pipeline = self
-            .raw()
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: None,
-                compilation_options: Default::default(),
-                cache: None,
-            });
+        let layout = self.raw().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label,
+            entries: &entries,
+        });
+        let pipeline_layout = self.raw().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let module = self.raw().create_shader_module(wgpu::ShaderModuleDescriptor {
+            label,
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let pipeline = self.raw().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: None,
+            compilation_options: Default::default(),
+            cache: None,
+        });
         Pipeline { pipeline, layout }
     }
 }
@@ -131,11 +119,7 @@ fn layout_entry(binding: u32, holds: Holds) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     }
 }

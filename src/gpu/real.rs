@@ -56,10 +56,7 @@ impl Real {
     /// The values, rounded to this type, as a device holds them.
     pub fn to_bytes(self, values: &[f64]) -> Vec<u8> {
         match self {
-            Self::F32 => values
-                .iter()
-                .flat_map(|&value| (value as f32).to_ne_bytes())
-                .collect(),
+            Self::F32 => values.iter().flat_map(|&value| (value as f32).to_ne_bytes()).collect(),
             Self::F64 => bytemuck::cast_slice(values).to_vec(),
         }
     }

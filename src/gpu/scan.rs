@@ -44,10 +44,7 @@ impl Scan {
             count = blocks;
         }
         down.extend(up.into_iter().rev());
-        Ok(Self {
-            passes: down,
-            bytes: levels.iter().skip(1).map(Buffer::bytes).sum(),
-        })
+        Ok(Self { passes: down, bytes: levels.iter().skip(1).map(Buffer::bytes).sum() })
     }
 
     /// The passes, in order.

@@ -23,10 +23,7 @@ impl ScalarField {
         text: impl Into<Arc<str>>,
         function: impl Fn(DVec3, f64) -> f64 + Send + Sync + 'static,
     ) -> Self {
-        Self {
-            text: text.into(),
-            function: Arc::new(function),
-        }
+        Self { text: text.into(), function: Arc::new(function) }
     }
 
     /// The value at position `x` (m) and time `t` (s).

@@ -24,14 +24,10 @@ impl Interpolation {
     /// `None` where no particle is within the support radius.
     pub fn at(problem: &Problem, x: DVec3) -> Option<Self> {
         let near = Near::collect(problem, x);
-        if let Some(&(index, _, _)) = near
-            .terms
-            .iter()
-            .find(|(_, r, _)| r.length() <= AT_PARTICLE * problem.spacing)
+        if let Some(&(index, _, _)) =
+            near.terms.iter().find(|(_, r, _)| r.length() <= AT_PARTICLE * problem.spacing)
         {
-            return Some(Self {
-                terms: vec![(index, 1.0)],
-            });
+            return Some(Self { terms: vec![(index, 1.0)] });
         }
         let total: f64 = near.terms.iter().map(|(_, _, w)| w).sum();
         (total > 0.0).then(|| near.fit(total, problem.kernel.support_radius()))
@@ -39,10 +35,7 @@ impl Interpolation {
 
     /// The interpolated value of `state`, in the problem's order.
     pub fn of(&self, state: &[f64]) -> f64 {
-        self.terms
-            .iter()
-            .map(|&(index, c)| c * state[index as usize])
-            .sum()
+        self.terms.iter().map(|&(index, c)| c * state[index as usize]).sum()
     }
 }
 
@@ -67,29 +60,18 @@ impl Near {
     /// without spread is left out: a sheet of particles is fitted along the sheet.
     fn fit(&self, total: f64, support_radius: f64) -> Interpolation {
         let weighted = |f: &[f64], g: &[f64]| -> f64 {
-            self.terms
-                .iter()
-                .zip(f)
-                .zip(g)
-                .map(|(((_, _, w), f), g)| w * f * g)
-                .sum::<f64>()
+            self.terms.iter().zip(f).zip(g).map(|(((_, _, w), f), g)| w * f * g).sum::<f64>()
                 / total
         };
         // Each basis function as its values at the particles and its value at the point.
         let mut basis: Vec<(Vec<f64>, f64)> = vec![(vec![1.0; self.terms.len()], 1.0)];
         for axis in 0..3 {
-            let mut values: Vec<f64> = self
-                .terms
-                .iter()
-                .map(|(_, r, _)| r[axis] / support_radius)
-                .collect();
+            let mut values: Vec<f64> =
+                self.terms.iter().map(|(_, r, _)| r[axis] / support_radius).collect();
             let mut at_point = 0.0;
             for (other, other_at_point) in &basis {
                 let along = weighted(&values, other);
-                values
-                    .iter_mut()
-                    .zip(other)
-                    .for_each(|(v, o)| *v -= along * o);
+                values.iter_mut().zip(other).for_each(|(v, o)| *v -= along * o);
                 at_point -= along * other_at_point;
             }
             let norm = weighted(&values, &values).sqrt();
@@ -99,18 +81,11 @@ impl Near {
             }
         }
         let coefficient = |k: usize| -> f64 {
-            let value: f64 = basis
-                .iter()
-                .map(|(values, at_point)| values[k] * at_point)
-                .sum();
+            let value: f64 = basis.iter().map(|(values, at_point)| values[k] * at_point).sum();
             value * self.terms[k].2 / total
         };
         let terms = self.terms.iter().enumerate();
-        Interpolation {
-            terms: terms
-                .map(|(k, &(index, _, _))| (index, coefficient(k)))
-                .collect(),
-        }
+        Interpolation { terms: terms.map(|(k, &(index, _, _))| (index, coefficient(k))).collect() }
     }
 }
 

@@ -5,12 +5,7 @@ use crate::model::scenes::lattice;
 use crate::model::{KernelKind, Problem};
 
 fn linear(problem: &Problem) -> Vec<f64> {
-    problem
-        .particles
-        .position
-        .iter()
-        .map(|p| 3.0 + 2.0 * p.x - p.y + 0.5 * p.z)
-        .collect()
+    problem.particles.position.iter().map(|p| 3.0 + 2.0 * p.x - p.y + 0.5 * p.z).collect()
 }
 
 #[test]
@@ -27,23 +22,14 @@ fn linear_fields_are_exact_also_beside_free_edges() {
     for (dimension, counts) in [(1, [8, 1, 1]), (2, [8, 8, 1]), (3, [6, 6, 6])] {
         let problem = lattice(KernelKind::WendlandC2, dimension, counts, 0.5, 2.0);
         let state = linear(&problem);
-        for x in [
-            DVec3::new(0.1, 0.2, 0.05),
-            DVec3::new(1.37, 1.01, 0.9),
-            DVec3::ZERO,
-        ] {
+        for x in [DVec3::new(0.1, 0.2, 0.05), DVec3::new(1.37, 1.01, 0.9), DVec3::ZERO] {
             let x = (0..dimension).fold(DVec3::ZERO, |mut p, axis| {
                 p[axis] = x[axis];
                 p
             });
             let exact = 3.0 + 2.0 * x.x - x.y + 0.5 * x.z;
-            let found = Interpolation::at(&problem, x)
-                .expect("there are particles")
-                .of(&state);
-            assert!(
-                (found - exact).abs() < 1e-13,
-                "{dimension}-D at {x}: {found}, not {exact}"
-            );
+            let found = Interpolation::at(&problem, x).expect("there are particles").of(&state);
+            assert!((found - exact).abs() < 1e-13, "{dimension}-D at {x}: {found}, not {exact}");
         }
     }
 }
@@ -52,9 +38,7 @@ fn linear_fields_are_exact_also_beside_free_edges() {
 fn a_sheet_is_fitted_along_the_sheet_and_nothing_near_is_none() {
     let problem = lattice(KernelKind::CubicSpline, 3, [6, 6, 1], 0.5, 2.0);
     let state: Vec<f64> = problem.particles.position.iter().map(|p| p.x).collect();
-    let found = Interpolation::at(&problem, DVec3::new(1.1, 1.2, 0.3))
-        .expect("near")
-        .of(&state);
+    let found = Interpolation::at(&problem, DVec3::new(1.1, 1.2, 0.3)).expect("near").of(&state);
     assert!((found - 1.1).abs() < 1e-13);
     assert_eq!(Interpolation::at(&problem, DVec3::new(0.0, 0.0, 9.0)), None);
 }
@@ -64,12 +48,8 @@ fn a_smooth_field_converges_at_second_order() {
     let error = |n: usize| {
         let spacing = 1.0 / n as f64;
         let problem = lattice(KernelKind::CubicSpline, 1, [n, 1, 1], spacing, 3.0);
-        let state: Vec<f64> = problem
-            .particles
-            .position
-            .iter()
-            .map(|p| (3.0 * p.x).sin())
-            .collect();
+        let state: Vec<f64> =
+            problem.particles.position.iter().map(|p| (3.0 * p.x).sin()).collect();
         let x = DVec3::new(0.5 + 0.25 * spacing, 0.0, 0.0);
         let found = Interpolation::at(&problem, x).expect("near").of(&state);
         (found - (3.0 * x.x).sin()).abs()

@@ -24,10 +24,7 @@ fn effective_diffusivity_has_the_published_values() {
     for (kind, expected) in table {
         for (support_ratio, value) in [2.4, 2.6, 3.0, 4.0].into_iter().zip(expected) {
             let found = ratio(kind, 3, support_ratio);
-            assert!(
-                (found - value).abs() < 6e-6,
-                "{kind:?} at {support_ratio}: {found}"
-            );
+            assert!((found - value).abs() < 6e-6, "{kind:?} at {support_ratio}: {found}");
         }
     }
 }

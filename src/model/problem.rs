@@ -84,9 +84,6 @@ impl Problem {
 
     /// The largest diffusivity of any material, m2/s.
     pub fn max_diffusivity(&self) -> f64 {
-        self.materials
-            .iter()
-            .map(|m| m.diffusivity)
-            .fold(0.0, f64::max)
+        self.materials.iter().map(|m| m.diffusivity).fold(0.0, f64::max)
     }
 }

@@ -30,21 +30,13 @@ pub(crate) fn lattice(
     Problem {
         dimension,
         spacing,
-        domain: Domain {
-            min: DVec3::ZERO,
-            max,
-            periodic: [false; 3],
-        },
+        domain: Domain { min: DVec3::ZERO, max, periodic: [false; 3] },
         particles: Particles {
             position,
             volume: vec![spacing.powi(dimension as i32); n],
             material: vec![0; n],
         },
-        materials: vec![Material {
-            name: "rock".into(),
-            diffusivity: 1.0,
-            density: 1000.0,
-        }],
+        materials: vec![Material { name: "rock".into(), diffusivity: 1.0, density: 1000.0 }],
         kernel: Kernel::new(kind, dimension, support_ratio * spacing).expect("kernel is defined"),
         pair_mean: PairMean::Harmonic,
         correction: Correction::Moment,
@@ -74,10 +66,7 @@ pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
     pub(crate) fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 }

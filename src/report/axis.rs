@@ -19,26 +19,14 @@ impl Axis {
     pub(super) fn over(values: impl Iterator<Item = f64>, labels: usize) -> Self {
         let (mut low, mut high) = values
             .filter(|v| v.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(v), h.max(v))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         if low > high {
             (low, high) = (0.0, 1.0);
         }
         let magnitude = low.abs().max(high.abs());
-        let power = if magnitude > 0.0 {
-            magnitude.log10().floor() as i32
-        } else {
-            0
-        };
+        let power = if magnitude > 0.0 { magnitude.log10().floor() as i32 } else { 0 };
         let exponent = if (-3..5).contains(&power) { 0 } else { power };
-        let mut axis = Self {
-            low,
-            high,
-            exponent,
-            decimals: 0,
-            labels,
-        };
+        let mut axis = Self { low, high, exponent, decimals: 0, labels };
         (axis.low, axis.high) = (axis.scaled(low), axis.scaled(high));
         let size = axis.low.abs().max(axis.high.abs());
         // Without an extent of its own (a constant, up to rounding) the axis shows 5 % either way.
@@ -69,11 +57,7 @@ impl Axis {
     pub(super) fn tick(&self, scaled: f64) -> String {
         let text = format!("{scaled:.*}", self.decimals);
         let is_zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
-        if is_zero {
-            "0".to_owned()
-        } else {
-            text.replace('-', "−")
-        }
+        if is_zero { "0".to_owned() } else { text.replace('-', "−") }
     }
 
     /// The axis' label with its power of ten: `error (×10⁻⁵)`.
@@ -93,11 +77,7 @@ impl Axis {
 /// Digits after the point of the first of 1, 2, 5, 10, ... times a power of ten from `step` up.
 fn decimals(step: f64) -> usize {
     let power = step.log10().floor();
-    let next = if step / 10f64.powf(power) > 5.0 {
-        power + 1.0
-    } else {
-        power
-    };
+    let next = if step / 10f64.powf(power) > 5.0 { power + 1.0 } else { power };
     (-next).clamp(0.0, 12.0) as usize
 }
 
@@ -109,16 +89,10 @@ mod tests {
     fn ticks_suit_the_range() {
         let axis = |low: f64, high: f64| Axis::over([low, f64::NAN, high].into_iter(), 8);
         let wide = axis(0.0, 1000.0);
-        assert_eq!(
-            (wide.tick(200.0), wide.named("T (K)")),
-            ("200".into(), "T (K)".into())
-        );
+        assert_eq!((wide.tick(200.0), wide.named("T (K)")), ("200".into(), "T (K)".into()));
         let small = axis(-3e-5, 3e-5);
         assert_eq!(small.named("error"), "error (×10⁻⁵)");
-        assert_eq!(
-            (small.tick(-1.0), small.tick(-1e-17)),
-            ("−1".into(), "0".into())
-        );
+        assert_eq!((small.tick(-1.0), small.tick(-1e-17)), ("−1".into(), "0".into()));
         let offset = axis(1000.0, 1000.004);
         assert_ne!(offset.tick(1000.001), offset.tick(1000.002));
         let constant = axis(1000.0, 1000.0).range();

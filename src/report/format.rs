@@ -30,11 +30,7 @@ pub fn significant(number: f64, digits: usize) -> String {
 
 /// Without the zeros that end a decimal fraction.
 fn trimmed(text: &str) -> &str {
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        text
-    }
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
 /// Simulated time in seconds, and in the longest unit of year (365 days), day or hour that it
@@ -42,11 +38,7 @@ fn trimmed(text: &str) -> &str {
 pub fn simulated_time(seconds: f64) -> String {
     const UNITS: [(f64, &str); 3] = [(31_536_000.0, "year"), (86_400.0, "day"), (3600.0, "hour")];
     let whole = seconds.fract() == 0.0 && (1e4..1e15).contains(&seconds);
-    let plain = if whole {
-        grouped(seconds as u64)
-    } else {
-        significant(seconds, 6)
-    };
+    let plain = if whole { grouped(seconds as u64) } else { significant(seconds, 6) };
     let Some((length, unit)) = UNITS.into_iter().find(|(length, _)| seconds >= *length) else {
         return format!("{plain} s");
     };
@@ -112,19 +104,7 @@ mod tests {
         assert_eq!(simulated_time(86_400.0), "86 400 s (1 day)");
         assert_eq!(simulated_time(0.25), "0.25 s");
         let wall = [0.0456, 3.214, 119.6, 312.4, 7500.0].map(wall_time);
-        assert_eq!(
-            wall,
-            [
-                "45.6 ms",
-                "3.21 s",
-                "2 min 00 s",
-                "5 min 12 s",
-                "2 h 05 min"
-            ]
-        );
-        assert_eq!(
-            [12, 24_000_000, 1_500_000_000].map(bytes),
-            ["12 B", "24 MB", "1.5 GB"]
-        );
+        assert_eq!(wall, ["45.6 ms", "3.21 s", "2 min 00 s", "5 min 12 s", "2 h 05 min"]);
+        assert_eq!([12, 24_000_000, 1_500_000_000].map(bytes), ["12 B", "24 MB", "1.5 GB"]);
     }
 }

@@ -104,23 +104,11 @@ mod tests {
 
     #[test]
     fn one_perturbed_particle_of_many_is_noticed_by_every_norm() {
-        let exact: Vec<f64> = (0..100_000)
-            .map(|i| 1.0 + (i as f64 * 1e-3).cos())
-            .collect();
+        let exact: Vec<f64> = (0..100_000).map(|i| 1.0 + (i as f64 * 1e-3).cos()).collect();
         let volume = vec![0.125; exact.len()];
         let same = Norms::new(&exact, &exact, &volume);
-        let Norms {
-            l1,
-            l2,
-            linf,
-            l2_relative,
-            mean_square,
-            root_mean_square,
-        } = same;
-        assert_eq!(
-            [l1, l2, linf, l2_relative, mean_square, root_mean_square],
-            [0.0; 6]
-        );
+        let Norms { l1, l2, linf, l2_relative, mean_square, root_mean_square } = same;
+        assert_eq!([l1, l2, linf, l2_relative, mean_square, root_mean_square], [0.0; 6]);
         let mut off = exact.clone();
         off[54_321] += 0.5;
         let n = Norms::new(&off, &exact, &volume);
@@ -144,14 +132,7 @@ mod tests {
             let mut field = vec![1.0; 70_000];
             field[3] = bad;
             let n = Norms::new(&field, &vec![1.0; 70_000], &vec![1.0; 70_000]);
-            for norm in [
-                n.l1,
-                n.l2,
-                n.linf,
-                n.l2_relative,
-                n.mean_square,
-                n.root_mean_square,
-            ] {
+            for norm in [n.l1, n.l2, n.linf, n.l2_relative, n.mean_square, n.root_mean_square] {
                 assert!(!norm.is_finite());
             }
         }

@@ -12,13 +12,8 @@ use thiserror::Error;
 const PARTIAL: &str = ".part";
 
 /// Files of ours other than the numbered ones.
-const OWN_FILES: [&str; 5] = [
-    "series.pvd",
-    "probes.csv",
-    "profile.svg",
-    "report.json",
-    "case.json",
-];
+const OWN_FILES: [&str; 5] =
+    ["series.pvd", "probes.csv", "profile.svg", "report.json", "case.json"];
 
 /// What went wrong with the output, and where.
 #[derive(Debug, Error)]
@@ -75,11 +70,7 @@ impl OutputFolder {
     pub fn create(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let path = path.into();
         let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
-        let made = path
-            .ancestors()
-            .take_while(missing)
-            .map(Path::to_path_buf)
-            .collect();
+        let made = path.ancestors().take_while(missing).map(Path::to_path_buf).collect();
         let folder = Self { path, made };
         let checked = folder.make_and_check();
         if checked.is_err() {
@@ -90,19 +81,12 @@ impl OutputFolder {
 
     fn make_and_check(&self) -> Result<(), OutputError> {
         let path = || self.path.clone();
-        fs::create_dir_all(&self.path).map_err(|source| OutputError::CreateFolder {
-            path: path(),
-            source,
-        })?;
-        let trial = self
-            .path
-            .join(format!(".diffusph-{}{PARTIAL}", std::process::id()));
+        fs::create_dir_all(&self.path)
+            .map_err(|source| OutputError::CreateFolder { path: path(), source })?;
+        let trial = self.path.join(format!(".diffusph-{}{PARTIAL}", std::process::id()));
         fs::write(&trial, b"x")
             .and_then(|()| fs::remove_file(&trial))
-            .map_err(|source| OutputError::NotWritable {
-                path: path(),
-                source,
-            })
+            .map_err(|source| OutputError::NotWritable { path: path(), source })
     }
 
     /// The folder.
@@ -114,10 +98,7 @@ impl OutputFolder {
     /// `probes.csv`, `profile.svg`, `report.json`, `case.json`, and unfinished ones of the same
     /// names. Anything else stays.
     pub fn remove_stale(&self) -> Result<(), OutputError> {
-        let failed = |path: &Path, source| OutputError::RemoveStale {
-            path: path.into(),
-            source,
-        };
+        let failed = |path: &Path, source| OutputError::RemoveStale { path: path.into(), source };
         let entries = fs::read_dir(&self.path).map_err(|e| failed(&self.path, e))?;
         for entry in entries {
             let entry = entry.map_err(|e| failed(&self.path, e))?;
@@ -156,9 +137,7 @@ impl OutputFolder {
 /// Whether a file of this name is one that a run writes.
 fn is_own_file(name: &str) -> bool {
     let name = name.strip_suffix(PARTIAL).unwrap_or(name);
-    let number = name
-        .strip_prefix("particles_")
-        .and_then(|rest| rest.strip_suffix(".vtu"));
+    let number = name.strip_prefix("particles_").and_then(|rest| rest.strip_suffix(".vtu"));
     let is_number = |text: &str| text.len() >= 4 && text.bytes().all(|b| b.is_ascii_digit());
     number.is_some_and(is_number) || OWN_FILES.contains(&name)
 }
@@ -182,10 +161,7 @@ pub(crate) fn write_whole(
     written.map_err(|source| {
         // The first error is the one worth telling; the partial file may not even exist.
         let _ = fs::remove_file(&partial);
-        OutputError::Write {
-            path: path.into(),
-            source,
-        }
+        OutputError::Write { path: path.into(), source }
     })
 }
 
@@ -205,28 +181,14 @@ mod tests {
     #[test]
     fn removes_own_stale_files_and_nothing_else() {
         let root = tempfile::tempdir().unwrap();
-        let own = [
-            "particles_0000.vtu",
-            "particles_12345.vtu",
-            "report.json",
-            "series.pvd.part",
-        ];
-        let other = [
-            "notes.txt",
-            "particles_1.vtu",
-            "particles_best.vtu",
-            "report.json.bak",
-        ];
+        let own = ["particles_0000.vtu", "particles_12345.vtu", "report.json", "series.pvd.part"];
+        let other = ["notes.txt", "particles_1.vtu", "particles_best.vtu", "report.json.bak"];
         for name in own.iter().chain(&other).chain(&OWN_FILES) {
             fs::write(root.path().join(name), "x").unwrap();
         }
         fs::create_dir(root.path().join("particles_0007.vtu")).unwrap();
         let folder = OutputFolder::create(root.path()).unwrap();
-        assert_eq!(
-            names(root.path()).len(),
-            13,
-            "nothing goes before the caller asks"
-        );
+        assert_eq!(names(root.path()).len(), 13, "nothing goes before the caller asks");
         folder.remove_stale().unwrap();
         let mut left = other.to_vec();
         left.insert(1, "particles_0007.vtu");
@@ -256,10 +218,7 @@ mod tests {
         fs::write(&file, "x").unwrap();
         for path in [file.clone(), file.join("below")] {
             let error = OutputFolder::create(&path).unwrap_err();
-            assert!(
-                error.to_string().contains(path.to_str().unwrap()),
-                "{error}"
-            );
+            assert!(error.to_string().contains(path.to_str().unwrap()), "{error}");
         }
         assert_eq!(names(root.path()), ["file"]);
     }

@@ -31,14 +31,10 @@ type Drawn = Result<(), Failure>;
 
 /// The plot of `profile` as SVG text.
 pub(super) fn svg(profile: &Profile) -> Result<String, Failure> {
-    let error: Option<Vec<f64>> = profile.exact.as_ref().map(|exact| {
-        profile
-            .value
-            .iter()
-            .zip(exact)
-            .map(|(v, e)| v - e)
-            .collect()
-    });
+    let error: Option<Vec<f64>> = profile
+        .exact
+        .as_ref()
+        .map(|exact| profile.value.iter().zip(exact).map(|(v, e)| v - e).collect());
     let lower = if error.is_some() { LOWER } else { 0 };
     let size = (WIDTH, HEADER + UPPER + lower);
     let mut text = String::new();
@@ -63,9 +59,7 @@ pub(super) fn svg(profile: &Profile) -> Result<String, Failure> {
 
 /// Font size in units of the canvas; plotters divides sizes by 1.24 on the way to SVG.
 fn font(size: f64) -> TextStyle<'static> {
-    ("sans-serif", size * 1.24 * f64::from(FINE))
-        .into_font()
-        .color(&INK)
+    ("sans-serif", size * 1.24 * f64::from(FINE)).into_font().color(&INK)
 }
 
 fn line(color: RGBColor, width: f64) -> ShapeStyle {
@@ -78,26 +72,11 @@ fn draw_header(area: &Area<'_>, profile: &Profile) -> Drawn {
     let size = (f64::from(WIDTH - 40) / (0.55 * letters)).clamp(8.0, 19.0);
     let centred = Pos::new(HPos::Center, VPos::Center);
     let middle = WIDTH / 2;
-    area.draw_text(
-        &profile.title,
-        &font(size).pos(centred),
-        (middle * FINE, 24 * FINE),
-    )?;
+    area.draw_text(&profile.title, &font(size).pos(centred), (middle * FINE, 24 * FINE))?;
     let with_exact = profile.exact.is_some() || profile.exact_curve.is_some();
-    let left = if with_exact {
-        middle - 125
-    } else {
-        middle - 55
-    };
-    let (y, style) = (
-        54 * FINE,
-        font(13.0).pos(Pos::new(HPos::Left, VPos::Center)),
-    );
-    area.draw(&Circle::new(
-        ((left + 12) * FINE, y),
-        4 * FINE,
-        NUMERICAL.filled(),
-    ))?;
+    let left = if with_exact { middle - 125 } else { middle - 55 };
+    let (y, style) = (54 * FINE, font(13.0).pos(Pos::new(HPos::Left, VPos::Center)));
+    area.draw(&Circle::new(((left + 12) * FINE, y), 4 * FINE, NUMERICAL.filled()))?;
     area.draw_text("numerical (SPH)", &style, ((left + 26) * FINE, y))?;
     if with_exact {
         let ends = [((left + 170) * FINE, y), ((left + 200) * FINE, y)];
@@ -110,16 +89,11 @@ fn draw_header(area: &Area<'_>, profile: &Profile) -> Drawn {
 fn values_panel(area: &Area<'_>, profile: &Profile, thinned: &[usize]) -> Drawn {
     let curve: Vec<(f64, f64)> = match (&profile.exact_curve, &profile.exact) {
         (Some((x, y)), _) => thin(y).into_iter().map(|i| (x[i], y[i])).collect(),
-        (None, Some(y)) => thinned
-            .iter()
-            .map(|&i| (profile.position[i], y[i]))
-            .collect(),
+        (None, Some(y)) => thinned.iter().map(|&i| (profile.position[i], y[i])).collect(),
         (None, None) => Vec::new(),
     };
-    let points: Vec<(f64, f64)> = thinned
-        .iter()
-        .map(|&i| (profile.position[i], profile.value[i]))
-        .collect();
+    let points: Vec<(f64, f64)> =
+        thinned.iter().map(|&i| (profile.position[i], profile.value[i])).collect();
     let axis = Axis::over(curve.iter().chain(&points).map(|p| p.1), 8);
     let panel = Panel {
         x: Axis::over(profile.position.iter().copied(), 10),
@@ -132,29 +106,19 @@ fn values_panel(area: &Area<'_>, profile: &Profile, thinned: &[usize]) -> Drawn 
 }
 
 fn error_panel(area: &Area<'_>, profile: &Profile, error: &[f64], thinned: &[usize]) -> Drawn {
-    let largest = error
-        .iter()
-        .fold(0.0, |m: f64, e| super::sum::max_or_nan(m, e.abs()));
-    let magnitude = profile
-        .value
-        .iter()
-        .filter(|v| v.is_finite())
-        .fold(0.0, |m: f64, v| m.max(v.abs()));
+    let largest = error.iter().fold(0.0, |m: f64, e| super::sum::max_or_nan(m, e.abs()));
+    let magnitude =
+        profile.value.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
     let floor = f64::EPSILON * magnitude;
-    let points: Vec<(f64, f64)> = thinned
-        .iter()
-        .map(|&i| (profile.position[i], error[i]))
-        .collect();
+    let points: Vec<(f64, f64)> =
+        thinned.iter().map(|&i| (profile.position[i], error[i])).collect();
     let around_zero = points.iter().map(|p| p.1).chain([-floor, floor]);
     let panel = Panel {
         x: Axis::over(profile.position.iter().copied(), 10),
         x_label: Some(&profile.axis_label),
         y: Axis::over(around_zero, 6),
         y_label: "error",
-        caption: Some(format!(
-            "numerical − exact, largest {}",
-            significant(largest, 3)
-        )),
+        caption: Some(format!("numerical − exact, largest {}", significant(largest, 3))),
     };
     panel.draw(area, &[], &points, true)
 }
@@ -186,11 +150,8 @@ impl Panel<'_> {
         let dots = points.iter().filter(|p| drawable(p)).map(scaled);
         chart.draw_series(dots.map(|p| Circle::new(p, radius as i32, NUMERICAL.filled())))?;
         // The curve comes after the points, which would hide it where they are dense.
-        let (path, color, width) = if joined {
-            (points, NUMERICAL, 1.0)
-        } else {
-            (curve, EXACT, 1.75)
-        };
+        let (path, color, width) =
+            if joined { (points, NUMERICAL, 1.0) } else { (curve, EXACT, 1.75) };
         // A gap in the data is a gap in the line.
         for run in path.split(|p| !drawable(p)) {
             chart.draw_series(LineSeries::new(run.iter().map(scaled), line(color, width)))?;

@@ -37,23 +37,12 @@ impl ProbeWriter {
     /// Starts `probes.csv` in `folder`, replacing an earlier one; `dimension` is 1, 2 or 3.
     pub fn create(folder: &Path, dimension: usize) -> Result<Self, OutputError> {
         let path = folder.join("probes.csv");
-        let failed = |source| OutputError::Write {
-            path: path.clone(),
-            source,
-        };
+        let failed = |source| OutputError::Write { path: path.clone(), source };
         let file = File::create(&path).map_err(failed)?;
-        let mut writer = Self {
-            path: path.clone(),
-            dimension,
-            table: csv::Writer::from_writer(file),
-        };
+        let mut writer =
+            Self { path: path.clone(), dimension, table: csv::Writer::from_writer(file) };
         let axes = &["x", "y", "z"][..dimension];
-        writer.row(
-            ["time_s", "name"]
-                .iter()
-                .chain(axes)
-                .chain(&["value", "exact"]),
-        )?;
+        writer.row(["time_s", "name"].iter().chain(axes).chain(&["value", "exact"]))?;
         writer.flush()?;
         Ok(writer)
     }
@@ -64,11 +53,7 @@ impl ProbeWriter {
             // `{:?}` is the shortest text that reads back as the same number.
             let number = |x: f64| format!("{x:?}");
             let mut row = vec![number(record.time), record.name.to_owned()];
-            row.extend(
-                record.at.to_array()[..self.dimension]
-                    .iter()
-                    .map(|&x| number(x)),
-            );
+            row.extend(record.at.to_array()[..self.dimension].iter().map(|&x| number(x)));
             row.push(number(record.value));
             row.push(record.exact.map_or_else(String::new, number));
             self.row(&row)?;
@@ -81,18 +66,12 @@ impl ProbeWriter {
         cells: impl IntoIterator<Item = T>,
     ) -> Result<(), OutputError> {
         let written = self.table.write_record(cells);
-        written.map_err(|e| OutputError::Write {
-            path: self.path.clone(),
-            source: e.into(),
-        })
+        written.map_err(|e| OutputError::Write { path: self.path.clone(), source: e.into() })
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
         let flushed = self.table.flush();
-        flushed.map_err(|source| OutputError::Write {
-            path: self.path.clone(),
-            source,
-        })
+        flushed.map_err(|source| OutputError::Write { path: self.path.clone(), source })
     }
 }
 
@@ -105,24 +84,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let value = 0.1 + 0.2;
         let at = DVec3::new(25.25, 1e-7, 3.0);
-        let record = ProbeRecord {
-            time: 63_072_000.0,
-            name: "a, \"b\"",
-            at,
-            value,
-            exact: None,
-        };
+        let record = ProbeRecord { time: 63_072_000.0, name: "a, \"b\"", at, value, exact: None };
         let text = |dimension| {
             let mut writer = ProbeWriter::create(folder.path(), dimension).unwrap();
-            writer
-                .write(&[
-                    record,
-                    ProbeRecord {
-                        exact: Some(0.3),
-                        ..record
-                    },
-                ])
-                .unwrap();
+            writer.write(&[record, ProbeRecord { exact: Some(0.3), ..record }]).unwrap();
             std::fs::read_to_string(folder.path().join("probes.csv")).unwrap()
         };
         assert_eq!(
@@ -138,9 +103,6 @@ mod tests {
     #[test]
     fn says_which_file_cannot_be_written() {
         let error = ProbeWriter::create(Path::new("/nowhere/at/all"), 3).unwrap_err();
-        assert!(
-            error.to_string().contains("/nowhere/at/all/probes.csv"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("/nowhere/at/all/probes.csv"), "{error}");
     }
 }

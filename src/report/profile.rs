@@ -47,10 +47,7 @@ impl Profile {
         spacing: f64,
     ) -> Option<Self> {
         assert_eq!(positions.len(), value.len(), "one value for every particle");
-        assert!(
-            exact.is_none_or(|e| e.len() == value.len()),
-            "one exact value for every particle"
-        );
+        assert!(exact.is_none_or(|e| e.len() == value.len()), "one exact value for every particle");
         let row = row_along_x(positions, through, spacing);
         (row.len() >= 2).then(|| {
             let pick = |field: &[f64]| row.iter().map(|&i| field[i]).collect();
@@ -84,9 +81,7 @@ fn row_along_x(positions: &[DVec3], through: DVec3, spacing: f64) -> Vec<usize> 
     let reach = 0.5 * spacing * (1.0 + 1e-9);
     let same = 1e-6 * spacing;
     let near = |p: &DVec3| (p.y - through.y).abs() <= reach && (p.z - through.z).abs() <= reach;
-    let mut row: Vec<usize> = (0..positions.len())
-        .filter(|&i| near(&positions[i]))
-        .collect();
+    let mut row: Vec<usize> = (0..positions.len()).filter(|&i| near(&positions[i])).collect();
     // Whole units of `same`, so that rounding does not decide between rows at equal distance.
     let key = |p: DVec3, to: DVec3| {
         let distance = (p.y - to.y).hypot(p.z - to.z);
@@ -94,9 +89,7 @@ fn row_along_x(positions: &[DVec3], through: DVec3, spacing: f64) -> Vec<usize> 
     };
     let by_key = |a: usize, b: usize, to: DVec3| {
         let (a, b) = (key(positions[a], to), key(positions[b], to));
-        a.0.total_cmp(&b.0)
-            .then(a.1.total_cmp(&b.1))
-            .then(a.2.total_cmp(&b.2))
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2))
     };
     let Some(anchor) = row.iter().copied().min_by(|&a, &b| by_key(a, b, through)) else {
         return row;
@@ -116,9 +109,7 @@ mod tests {
     /// A lattice of 5 x 4 x 3 with spacing 0.1 and x running fastest downwards.
     fn lattice() -> Vec<DVec3> {
         let cell = |i: usize| DVec3::new((4 - i % 5) as f64, (i / 5 % 4) as f64, (i / 20) as f64);
-        (0..60)
-            .map(|i| 0.1 * cell(i) + DVec3::splat(0.05))
-            .collect()
+        (0..60).map(|i| 0.1 * cell(i) + DVec3::splat(0.05)).collect()
     }
 
     fn row(through: DVec3) -> Vec<f64> {
@@ -133,22 +124,13 @@ mod tests {
 
     #[test]
     fn takes_the_one_row_nearest_to_the_point() {
-        assert_eq!(
-            row(DVec3::new(9.0, 0.17, 0.24)),
-            [100.0 * (0.1 + 0.05) + 0.2 + 0.05; 5]
-        );
-        assert_ne!(
-            row(DVec3::new(9.0, 0.22, 0.24)),
-            row(DVec3::new(9.0, 0.17, 0.24))
-        );
+        assert_eq!(row(DVec3::new(9.0, 0.17, 0.24)), [100.0 * (0.1 + 0.05) + 0.2 + 0.05; 5]);
+        assert_ne!(row(DVec3::new(9.0, 0.22, 0.24)), row(DVec3::new(9.0, 0.17, 0.24)));
     }
 
     #[test]
     fn midway_between_four_rows_it_stays_in_the_lowest() {
-        assert_eq!(
-            row(DVec3::new(0.0, 0.2, 0.1)),
-            [100.0 * (0.1 + 0.05) + 0.05; 5]
-        );
+        assert_eq!(row(DVec3::new(0.0, 0.2, 0.1)), [100.0 * (0.1 + 0.05) + 0.05; 5]);
     }
 
     #[test]
@@ -179,29 +161,15 @@ mod tests {
         assert!(profile.to_svg().unwrap().contains("largest not finite"));
         profile.value[1] = 2.0;
         let svg = profile.to_svg().unwrap();
-        assert!(
-            svg.contains("exact") && svg.contains("largest 0.5"),
-            "{svg}"
-        );
+        assert!(svg.contains("exact") && svg.contains("largest 0.5"), "{svg}");
     }
 
     #[test]
     fn ranges_without_extent_and_empty_profiles_are_drawn() {
-        for value in [
-            vec![],
-            vec![1000.0; 4],
-            vec![0.0; 4],
-            vec![f64::NAN; 4],
-            vec![1e300; 4],
-        ] {
+        for value in [vec![], vec![1000.0; 4], vec![0.0; 4], vec![f64::NAN; 4], vec![1e300; 4]] {
             let position = (0..value.len()).map(|i| i as f64).collect();
             let exact = Some(value.clone());
-            let profile = Profile {
-                position,
-                value,
-                exact,
-                ..Profile::default()
-            };
+            let profile = Profile { position, value, exact, ..Profile::default() };
             assert!(profile.to_svg().unwrap().ends_with("</svg>\n"));
         }
     }
@@ -210,12 +178,8 @@ mod tests {
     fn a_very_long_row_makes_a_small_file() {
         let position: Vec<f64> = (0..200_000).map(|i| i as f64 * 1e-3).collect();
         let value: Vec<f64> = position.iter().map(|x| x.sin()).collect();
-        let mut profile = Profile {
-            exact: Some(value.clone()),
-            position,
-            value,
-            ..Profile::default()
-        };
+        let mut profile =
+            Profile { exact: Some(value.clone()), position, value, ..Profile::default() };
         assert!(profile.to_svg().unwrap().len() < 1_500_000);
         // The one particle that is wrong is still there.
         profile.value[123_456] += 0.25;

@@ -109,11 +109,7 @@ impl FieldRange {
     pub fn of(values: &[f64]) -> Self {
         let Range { min, max } = Range::of(values);
         let [sum] = sum_over(values.len(), |i| [values[i]]);
-        Self {
-            min,
-            max,
-            mean: sum / values.len() as f64,
-        }
+        Self { min, max, mean: sum / values.len() as f64 }
     }
 }
 
@@ -132,10 +128,7 @@ impl Range {
     /// The extremes of `values`.
     pub fn of(values: &[f64]) -> Self {
         let Some(&first) = values.first() else {
-            return Self {
-                min: f64::NAN,
-                max: f64::NAN,
-            };
+            return Self { min: f64::NAN, max: f64::NAN };
         };
         Self {
             min: values.iter().copied().fold(first, min_or_nan),
@@ -170,12 +163,7 @@ impl Conserved {
         let scale = scale.into_iter().fold(0.0, max_or_nan);
         let drift = last - initial - boundary_exchange;
         let relative_drift = if scale == 0.0 { 0.0 } else { drift / scale };
-        Self {
-            initial,
-            last,
-            boundary_exchange,
-            relative_drift,
-        }
+        Self { initial, last, boundary_exchange, relative_drift }
     }
 }
 
@@ -207,23 +195,8 @@ pub struct ErrorReport {
 impl ErrorReport {
     /// The norms, with the name of what the field is compared with.
     pub fn new(against: impl Into<String>, norms: Norms) -> Self {
-        let Norms {
-            l1,
-            l2,
-            linf,
-            l2_relative,
-            mean_square,
-            root_mean_square,
-        } = norms;
-        Self {
-            against: against.into(),
-            l1,
-            l2,
-            linf,
-            l2_relative,
-            mean_square,
-            root_mean_square,
-        }
+        let Norms { l1, l2, linf, l2_relative, mean_square, root_mean_square } = norms;
+        Self { against: against.into(), l1, l2, linf, l2_relative, mean_square, root_mean_square }
     }
 }
 
@@ -260,11 +233,7 @@ mod number {
     use serde::{Deserialize, Deserializer, Serializer};
 
     pub(super) fn serialize<S: Serializer>(number: &f64, to: S) -> Result<S::Ok, S::Error> {
-        if number.is_finite() {
-            to.serialize_f64(*number)
-        } else {
-            to.serialize_none()
-        }
+        if number.is_finite() { to.serialize_f64(*number) } else { to.serialize_none() }
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {

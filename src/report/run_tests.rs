@@ -21,27 +21,13 @@ fn example() -> RunReport {
         dt: 29_200.0,
         dt_limit: 32_000.0,
         simulated_s: 63_072_000.0,
-        wall_s: WallTimes {
-            setup: 0.123,
-            solve: 1.08,
-            output: 0.56,
-        },
+        wall_s: WallTimes { setup: 0.123, solve: 1.08, output: 0.56 },
         updates_per_s: 2.0e9,
         memory_bytes: 24_000_000,
-        field: FieldRange {
-            min: 0.0,
-            max: 0.1301,
-            mean: 0.008,
-        },
+        field: FieldRange { min: 0.0, max: 0.1301, mean: 0.008 },
         conserved: Conserved::new(1000.0, 1010.0, 10.0),
-        density: Range {
-            min: 999.5,
-            max: 1000.5,
-        },
-        error: Some(ErrorReport::new(
-            "point_source",
-            Norms::new(&[1.1], &[1.0], &[2.0]),
-        )),
+        density: Range { min: 999.5, max: 1000.5 },
+        error: Some(ErrorReport::new("point_source", Norms::new(&[1.1], &[1.0], &[2.0]))),
         probes: vec![ProbeReport {
             name: "centre".into(),
             at: vec![25.25; 3],
@@ -61,14 +47,7 @@ fn example() -> RunReport {
 #[test]
 fn the_names_are_those_that_readers_rely_on() {
     let json = serde_json::to_value(example()).unwrap();
-    let keys = |value: &Value| {
-        value
-            .as_object()
-            .unwrap()
-            .keys()
-            .cloned()
-            .collect::<Vec<_>>()
-    };
+    let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
     assert_eq!(
         keys(&json).join(" "),
         "report_version case title diffusph_version backend adapter precision dimension particles \
@@ -78,23 +57,13 @@ fn the_names_are_those_that_readers_rely_on() {
     for (place, names) in [
         ("/wall_s", "setup solve output"),
         ("/field", "min max mean"),
-        (
-            "/conserved",
-            "initial final boundary_exchange relative_drift",
-        ),
+        ("/conserved", "initial final boundary_exchange relative_drift"),
         ("/density", "min max"),
-        (
-            "/error",
-            "against l1 l2 linf l2_relative mean_square root_mean_square",
-        ),
+        ("/error", "against l1 l2 linf l2_relative mean_square root_mean_square"),
         ("/probes/0", "name at time value exact"),
         ("/left_out/0", "what why bytes_saved"),
     ] {
-        assert_eq!(
-            keys(json.pointer(place).unwrap()).join(" "),
-            names,
-            "{place}"
-        );
+        assert_eq!(keys(json.pointer(place).unwrap()).join(" "), names, "{place}");
     }
 }
 
@@ -102,10 +71,7 @@ fn the_names_are_those_that_readers_rely_on() {
 fn reads_back_as_it_was() {
     let text = serde_json::to_string_pretty(&example()).unwrap();
     assert_eq!(serde_json::from_str::<RunReport>(&text).unwrap(), example());
-    let other = RunReport {
-        dt: 29_200.000_000_000_004,
-        ..example()
-    };
+    let other = RunReport { dt: 29_200.000_000_000_004, ..example() };
     assert_ne!(serde_json::from_str::<RunReport>(&text).unwrap(), other);
 }
 
@@ -117,10 +83,7 @@ fn what_is_not_finite_is_null() {
     report.conserved = Conserved::new(1.0, f64::NEG_INFINITY, f64::NAN);
     report.probes[0].exact = Some(f64::NAN);
     report.probes[0].at[1] = f64::NAN;
-    report.error = Some(ErrorReport::new(
-        "x",
-        Norms::new(&[f64::NAN], &[1.0], &[1.0]),
-    ));
+    report.error = Some(ErrorReport::new("x", Norms::new(&[f64::NAN], &[1.0], &[1.0])));
     let json = serde_json::to_value(&report).unwrap();
     for place in [
         "/dt_limit",
@@ -146,15 +109,8 @@ fn what_is_not_finite_is_null() {
 #[test]
 fn drift_is_what_the_exchange_does_not_explain() {
     assert_eq!(Conserved::new(1000.0, 1010.0, 10.0).relative_drift, 0.0);
-    assert_eq!(
-        Conserved::new(1000.0, 1000.5, 0.0).relative_drift,
-        0.5 / 1000.5
-    );
-    assert_eq!(
-        Conserved::new(0.0, 8.0, 10.0).relative_drift,
-        -0.2,
-        "scaled by the largest"
-    );
+    assert_eq!(Conserved::new(1000.0, 1000.5, 0.0).relative_drift, 0.5 / 1000.5);
+    assert_eq!(Conserved::new(0.0, 8.0, 10.0).relative_drift, -0.2, "scaled by the largest");
     assert_eq!(Conserved::new(0.0, 0.0, 0.0).relative_drift, 0.0);
     assert!(Conserved::new(1.0, 1.0, f64::NAN).relative_drift.is_nan());
 }
@@ -207,10 +163,7 @@ fn the_summary_shows_what_is_wrong() {
     let text = report.summary();
     assert!(text.contains("ABOVE the limit"), "{text}");
     assert!(text.contains("not finite"), "{text}");
-    assert!(
-        !text.contains("L2 relative") && !text.contains("A fast one"),
-        "{text}"
-    );
+    assert!(!text.contains("L2 relative") && !text.contains("A fast one"), "{text}");
     report.dt_limit = f64::INFINITY;
     assert!(!report.summary().contains("limit"), "no limit, no margin");
 }

@@ -37,11 +37,7 @@ pub(crate) fn sum_over<const N: usize>(
 /// The larger of two numbers, NaN if either is: `f64::max` would drop a NaN, and with it the one
 /// particle that diverged.
 pub(crate) fn max_or_nan(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() {
-        f64::NAN
-    } else {
-        a.max(b)
-    }
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 /// The smaller of two numbers, NaN if either is.
@@ -68,25 +64,16 @@ mod tests {
     #[test]
     fn keeps_what_plain_addition_loses() {
         let terms = [1.0, 1e100, 1.0, -1e100];
-        assert_eq!(
-            terms.iter().sum::<f64>(),
-            0.0,
-            "the control: plain addition loses both ones"
-        );
+        assert_eq!(terms.iter().sum::<f64>(), 0.0, "the control: plain addition loses both ones");
         assert_eq!(total(&terms, &[1.0; 4]), 2.0);
     }
 
     #[test]
     fn is_the_same_for_any_number_of_threads() {
-        let value: Vec<f64> = (0..5 * CHUNK + 17)
-            .map(|i| (i as f64).sin() * 1e6)
-            .collect();
+        let value: Vec<f64> = (0..5 * CHUNK + 17).map(|i| (i as f64).sin() * 1e6).collect();
         let volume: Vec<f64> = (0..value.len()).map(|i| 1.0 / (1 + i % 7) as f64).collect();
         let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| total(&value, &volume))
         };
         assert_eq!(with(1).to_bits(), with(4).to_bits());

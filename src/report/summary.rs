@@ -40,10 +40,7 @@ impl Display for Summary<'_> {
         }
         probe_lines(f, &report.probes)?;
         self.left_out(f)?;
-        report
-            .warnings
-            .iter()
-            .try_for_each(|warning| line(f, "warning", warning))
+        report.warnings.iter().try_for_each(|warning| line(f, "warning", warning))
     }
 }
 
@@ -51,32 +48,13 @@ impl Summary<'_> {
     fn what_and_where(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let r = self.0;
         let count = grouped(r.particles);
-        line(
-            f,
-            "scene",
-            format!("{count} particles, {}-D, {} path", r.dimension, r.path),
-        )?;
-        let adapter = r
-            .adapter
-            .as_ref()
-            .map_or_else(String::new, |name| format!(", {name}"));
-        line(
-            f,
-            "backend",
-            format!("{}{adapter}, {}", r.backend, r.precision),
-        )?;
+        line(f, "scene", format!("{count} particles, {}-D, {} path", r.dimension, r.path))?;
+        let adapter = r.adapter.as_ref().map_or_else(String::new, |name| format!(", {name}"));
+        line(f, "backend", format!("{}{adapter}, {}", r.backend, r.precision))?;
         let applications = grouped(r.operator_applications);
-        line(
-            f,
-            "method",
-            format!("{}, {applications} operator applications", r.method),
-        )?;
+        line(f, "method", format!("{}, {applications} operator applications", r.method))?;
         line(f, "time", simulated_time(r.simulated_s))?;
-        line(
-            f,
-            "step",
-            format!("{} steps of {} s", grouped(r.steps), significant(r.dt, 6)),
-        )?;
+        line(f, "step", format!("{} steps of {} s", grouped(r.steps), significant(r.dt, 6)))?;
         if r.dt_limit.is_finite() {
             line(f, "", self.margin())?;
         }
@@ -88,35 +66,20 @@ impl Summary<'_> {
         let limit = significant(self.0.dt_limit, 6);
         let percent = |x: f64| significant(100.0 * x, DIGITS);
         if ratio > 1.0 {
-            return format!(
-                "{} % ABOVE the limit {limit} s: not stable",
-                percent(ratio - 1.0)
-            );
+            return format!("{} % ABOVE the limit {limit} s: not stable", percent(ratio - 1.0));
         }
-        format!(
-            "{} % of the limit {limit} s, {} % margin",
-            percent(ratio),
-            percent(1.0 - ratio)
-        )
+        format!("{} % of the limit {limit} s, {} % margin", percent(ratio), percent(1.0 - ratio))
     }
 
     fn how_long(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let r = self.0;
         let [setup, solve, output] =
             [r.wall_s.setup, r.wall_s.solve, r.wall_s.output].map(wall_time);
-        line(
-            f,
-            "wall time",
-            format!("setup {setup}, solve {solve}, output {output}"),
-        )?;
+        line(f, "wall time", format!("setup {setup}, solve {solve}, output {output}"))?;
         let rate = significant(r.updates_per_s, 3);
         line(f, "speed", format!("{rate} particle updates/s"))?;
         let each = significant(r.memory_bytes as f64 / r.particles as f64, 3);
-        line(
-            f,
-            "memory",
-            format!("{} ({each} bytes a particle)", bytes(r.memory_bytes)),
-        )
+        line(f, "memory", format!("{} ({each} bytes a particle)", bytes(r.memory_bytes)))
     }
 
     fn field(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -128,11 +91,7 @@ impl Summary<'_> {
         let [initial, last] = [total.initial, total.last].map(|x| significant(x, 10));
         line(f, "total", format!("{initial} at first, {last} at last"))?;
         let [exchange, drift] = [total.boundary_exchange, total.relative_drift].map(short);
-        line(
-            f,
-            "",
-            format!("boundary exchange {exchange}, relative drift {drift}"),
-        )
+        line(f, "", format!("boundary exchange {exchange}, relative drift {drift}"))
     }
 
     fn left_out(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -159,22 +118,12 @@ fn error_lines(f: &mut fmt::Formatter<'_>, error: &ErrorReport) -> fmt::Result {
 
 fn probe_lines(f: &mut fmt::Formatter<'_>, probes: &[ProbeReport]) -> fmt::Result {
     for (i, probe) in probes.iter().take(MOST_PROBES).enumerate() {
-        let exact = probe
-            .exact
-            .map_or_else(String::new, |x| format!("  exact {}", short(x)));
+        let exact = probe.exact.map_or_else(String::new, |x| format!("  exact {}", short(x)));
         let name = if i == 0 { "probes" } else { "" };
-        line(
-            f,
-            name,
-            format!("{:<12}{}{exact}", probe.name, short(probe.value)),
-        )?;
+        line(f, name, format!("{:<12}{}{exact}", probe.name, short(probe.value)))?;
     }
     if probes.len() > MOST_PROBES {
-        line(
-            f,
-            "",
-            format!("and {} more, in probes.csv", probes.len() - MOST_PROBES),
-        )?;
+        line(f, "", format!("and {} more, in probes.csv", probes.len() - MOST_PROBES))?;
     }
     Ok(())
 }

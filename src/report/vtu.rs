@@ -20,11 +20,7 @@ const VTK_VERTEX: u8 = 1;
 /// Entries of a generated array (connectivity, offsets, types) that are held at a time.
 const CHUNK: usize = 8192;
 /// Arrays are written in the byte order of the machine, so that they need no conversion.
-const BYTE_ORDER: &str = if cfg!(target_endian = "little") {
-    "LittleEndian"
-} else {
-    "BigEndian"
-};
+const BYTE_ORDER: &str = if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
 
 /// Writes `particles_0000.vtu`, `particles_0001.vtu`, ... and `series.pvd` into one folder.
 ///
@@ -39,10 +35,7 @@ pub struct SeriesWriter {
 impl SeriesWriter {
     /// A series in `folder`, which must exist. Writes nothing yet.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self {
-            folder: folder.into(),
-            written: Vec::new(),
-        }
+        Self { folder: folder.into(), written: Vec::new() }
     }
 
     /// Writes the fields at `time` (s) and returns the path of the `.vtu` file.
@@ -69,17 +62,11 @@ impl SeriesWriter {
 
     fn write_pvd(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, r#"<?xml version="1.0"?>"#)?;
-        writeln!(
-            out,
-            r#"<VTKFile type="Collection" version="1.0" byte_order="{BYTE_ORDER}">"#
-        )?;
+        writeln!(out, r#"<VTKFile type="Collection" version="1.0" byte_order="{BYTE_ORDER}">"#)?;
         writeln!(out, "<Collection>")?;
         for (time, name) in &self.written {
             // `{:?}` is the shortest text that reads back as the same number.
-            writeln!(
-                out,
-                r#"<DataSet timestep="{time:?}" part="0" file="{name}"/>"#
-            )?;
+            writeln!(out, r#"<DataSet timestep="{time:?}" part="0" file="{name}"/>"#)?;
         }
         writeln!(out, "</Collection>\n</VTKFile>")
     }
@@ -95,10 +82,7 @@ fn write_vtu(
     write!(out, r#"<VTKFile type="UnstructuredGrid" version="1.0" "#)?;
     writeln!(out, r#"byte_order="{BYTE_ORDER}" header_type="UInt64">"#)?;
     writeln!(out, "<UnstructuredGrid>")?;
-    writeln!(
-        out,
-        r#"<Piece NumberOfPoints="{count}" NumberOfCells="{count}">"#
-    )?;
+    writeln!(out, r#"<Piece NumberOfPoints="{count}" NumberOfCells="{count}">"#)?;
     writeln!(out, "<PointData>")?;
     for (name, values) in fields {
         if values.len() != count {
@@ -173,9 +157,7 @@ mod tests {
         let mut series = SeriesWriter::new(folder.path());
         assert!(!series.collection().exists());
         for (k, time) in [0.0, 0.1, 6.3072e7].into_iter().enumerate() {
-            let path = series
-                .write(time, &[DVec3::ONE], &[("value", &[2.0])])
-                .unwrap();
+            let path = series.write(time, &[DVec3::ONE], &[("value", &[2.0])]).unwrap();
             assert_eq!(path, folder.path().join(format!("particles_000{k}.vtu")));
             let text = std::fs::read_to_string(series.collection()).unwrap();
             assert_eq!(text.matches("<DataSet").count(), k + 1);
@@ -187,15 +169,8 @@ mod tests {
     fn a_field_of_the_wrong_length_is_refused_and_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let mut series = SeriesWriter::new(folder.path());
-        let error = series
-            .write(0.0, &[DVec3::ONE], &[("value", &[1.0, 2.0])])
-            .unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .contains("field value: 2 values, 1 particles"),
-            "{error}"
-        );
+        let error = series.write(0.0, &[DVec3::ONE], &[("value", &[1.0, 2.0])]).unwrap_err();
+        assert!(error.to_string().contains("field value: 2 values, 1 particles"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 

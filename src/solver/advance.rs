@@ -11,7 +11,7 @@ const FIRST_CHUNK: u64 = 4;
 /// Steps between two looks at the clock, the values and the user, at most.
 const LARGEST_CHUNK: u64 = 1 << 14;
 /// What a chunk should take: short enough to stop and to report at once.
-const CHUNK_TIME: Duration = Duration::from_millis(150);
+const CHUNK_TIME: Duration = Duration::from_millis(300);
 
 /// Where a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,11 +57,7 @@ pub fn advance<B: Backend, O: Observer>(
     schedule: &Schedule,
     observer: &mut O,
 ) -> Result<(), O::Error> {
-    let mut run = Run {
-        steps: schedule.total_steps(),
-        step: 0,
-        chunk: FIRST_CHUNK,
-    };
+    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK };
     let mut start = 0.0;
     for segment in schedule.clone() {
         run.segment(backend, problem, observer, start, &segment)?;
@@ -102,18 +98,10 @@ impl Run {
             done += count;
             self.step += count;
             let time = start + done as f64 * segment.dt;
-            let progress = Progress {
-                step: self.step,
-                steps: self.steps,
-                time,
-            };
+            let progress = Progress { step: self.step, steps: self.steps, time };
             if observer.progress(progress) == Wish::Stop {
                 observer.last_state(time, backend.read()?.as_ref())?;
-                return Err(SolverError::Interrupted {
-                    step: self.step,
-                    time,
-                }
-                .into());
+                return Err(SolverError::Interrupted { step: self.step, time }.into());
             }
         }
         Ok(())

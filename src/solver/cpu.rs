@@ -4,14 +4,11 @@ use rayon::prelude::*;
 
 use super::{Backend, SolverError};
 use crate::model::Problem;
-use crate::model::neighbors::CellGrid;
-use crate::model::operator::rows::{Rows, Survey, assemble};
+use crate::model::operator::rows::Rows;
 use crate::model::sum::CompensatedSum;
 
-/// Rows that one parallel task advances.
-const ROWS_PER_TASK: usize = 8192;
-/// Below this many rows one thread is faster than handing out tasks every step.
-const SERIAL_ROWS: usize = 16_384;
+/// Values that one parallel task looks at.
+const CHUNK: usize = 1 << 15;
 
 /// A field of the CPU backend, in the problem's order.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,130 +24,52 @@ impl AsRef<[f64]> for CpuField {
 pub struct CpuBackend {
     /// Particle index at each rank.
     order: Vec<u32>,
-    /// Rows of the particles that are free to change.
     rows: Rows,
-    /// What happens at held particles; absent where there are none.
-    held: Option<Held>,
+    /// Volumes of the held particles, by rank.
+    held_volume: Vec<f64>,
     state: Vec<f64>,
     next: Vec<f64>,
-    saved: Vec<f64>,
-    saved_exchange: CompensatedSum,
-}
-
-/// Rows of the held particles: they do not change, but what their rows add up to is what the
-/// outside has to supply.
-struct Held {
-    rows: Rows,
-    rank: Vec<u32>,
-    volume: Vec<f64>,
+    /// What the held particles have given to the others: value x volume.
     exchange: CompensatedSum,
+    saved: Option<(Vec<f64>, CompensatedSum)>,
 }
 
 impl CpuBackend {
-    /// Assembles the rows of `problem` from its sorted particles.
-    pub fn new(problem: &Problem, grid: CellGrid<'_>, survey: &Survey) -> Self {
-        let rows = assemble(problem, &grid, &survey.neighbors, |a| !problem.is_held(a));
-        let held = (!problem.held.is_empty()).then(|| Held::new(problem, &grid, survey));
-        let order = grid.into_order();
+    /// Takes the assembled rows of `problem`; `order` is the grid's.
+    pub fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
+        let particle_at = |rank: &u32| order[*rank as usize] as usize;
+        let held = rows.held_rank().iter().map(particle_at);
         let state: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
         Self {
+            held_volume: held.map(|particle| problem.particles.volume[particle]).collect(),
             next: state.clone(),
-            saved: Vec::new(),
-            saved_exchange: CompensatedSum::default(),
+            saved: None,
+            exchange: CompensatedSum::default(),
             order,
             rows,
-            held,
             state,
         }
     }
 
-    /// The assembled rows of the particles that are not held.
-    pub fn rows(&self) -> &Rows {
-        &self.rows
-    }
-
-    /// Volumes in the rows' order, m^dim.
-    pub fn volume_by_rank(&self, problem: &Problem) -> Vec<f64> {
-        self.order
-            .iter()
-            .map(|&p| problem.particles.volume[p as usize])
-            .collect()
-    }
-
     fn step(&mut self, dt: f64) {
-        if let Some(held) = &mut self.held {
-            held.account(dt, &self.state);
+        if !self.held_volume.is_empty() {
+            // What holding the values takes: the negative of what the held rows would gain.
+            // Neighbours that are held too cancel in the sum.
+            let gains = self.rows.held_rates(&self.state).zip(&self.held_volume);
+            let gained: f64 = gains.map(|(rate, volume)| volume * rate).sum();
+            self.exchange.add(-dt * gained);
         }
-        let (rows, state) = (&self.rows, &self.state);
-        let advance = |first: usize, new: &mut [f64]| {
-            let count = new.len();
-            rows.rates(
-                first,
-                state,
-                |rank, rate| new[rank - first] = state[rank] + dt * rate,
-                count,
-            );
-        };
-        if self.next.len() < SERIAL_ROWS {
-            advance(0, &mut self.next);
-        } else {
-            let tasks = self.next.par_chunks_mut(ROWS_PER_TASK).enumerate();
-            tasks.for_each(|(task, new)| advance(task * ROWS_PER_TASK, new));
-        }
+        self.rows.apply(&self.state, &mut self.next, |own, rate| own + dt * rate);
         std::mem::swap(&mut self.state, &mut self.next);
     }
 
     /// From cell order to the problem's order.
-    fn in_problem_order(&self, by_rank: impl Fn(usize) -> f64) -> CpuField {
+    fn in_problem_order(&self, by_rank: &[f64]) -> CpuField {
         let mut out = vec![0.0; self.order.len()];
-        for (rank, &particle) in self.order.iter().enumerate() {
-            out[particle as usize] = by_rank(rank);
+        for (&particle, value) in self.order.iter().zip(by_rank) {
+            out[particle as usize] = *value;
         }
         CpuField(out)
-    }
-}
-
-impl Held {
-    fn new(problem: &Problem, grid: &CellGrid<'_>, survey: &Survey) -> Self {
-        let rows = assemble(problem, grid, &survey.neighbors, |a| problem.is_held(a));
-        let rank: Vec<u32> = (0_u32..)
-            .zip(grid.order())
-            .filter(|&(_, &particle)| problem.is_held(particle as usize))
-            .map(|(rank, _)| rank)
-            .collect();
-        let particle = |rank: &u32| grid.order()[*rank as usize] as usize;
-        let volume = rank
-            .iter()
-            .map(|r| problem.particles.volume[particle(r)])
-            .collect();
-        Self {
-            rows,
-            rank,
-            volume,
-            exchange: CompensatedSum::default(),
-        }
-    }
-
-    /// Books what holding the values takes over a step of `dt`: the negative of what the held
-    /// rows would gain. Neighbours that are held too cancel in the sum.
-    fn account(&mut self, dt: f64, state: &[f64]) {
-        let part = |(ranks, volumes): (&[u32], &[f64])| -> f64 {
-            let gains = ranks.iter().zip(volumes);
-            gains
-                .map(|(&rank, volume)| volume * self.rows.rate(rank as usize, state))
-                .sum()
-        };
-        let gained: f64 = if self.rank.len() < SERIAL_ROWS {
-            part((&self.rank, &self.volume))
-        } else {
-            let ranks = self.rank.par_chunks(ROWS_PER_TASK);
-            let parts: Vec<f64> = ranks
-                .zip(self.volume.par_chunks(ROWS_PER_TASK))
-                .map(part)
-                .collect();
-            parts.iter().sum()
-        };
-        self.exchange.add(-dt * gained);
     }
 }
 
@@ -165,51 +84,41 @@ impl Backend for CpuBackend {
     }
 
     fn read(&mut self) -> Result<CpuField, SolverError> {
-        Ok(self.in_problem_order(|rank| self.state[rank]))
+        Ok(self.in_problem_order(&self.state))
     }
 
     fn rate(&mut self) -> Result<CpuField, SolverError> {
-        Ok(self.in_problem_order(|rank| self.rows.rate(rank, &self.state)))
+        let mut rates = vec![0.0; self.state.len()];
+        self.rows.apply(&self.state, &mut rates, |_, rate| rate);
+        Ok(self.in_problem_order(&rates))
     }
 
     fn exchange(&mut self) -> Result<f64, SolverError> {
-        Ok(self.held.as_ref().map_or(0.0, |held| held.exchange.value()))
+        Ok(self.exchange.value())
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
-        Ok(self
-            .state
-            .par_chunks(ROWS_PER_TASK)
-            .all(|part| part.iter().all(|x| x.is_finite())))
+        Ok(self.state.par_chunks(CHUNK).all(|part| part.iter().all(|x| x.is_finite())))
     }
 
     fn save(&mut self) -> Result<(), SolverError> {
-        self.saved.clone_from(&self.state);
-        self.saved_exchange = self
-            .held
-            .as_ref()
-            .map(|held| held.exchange)
-            .unwrap_or_default();
+        let (state, exchange) = self.saved.get_or_insert_default();
+        state.clone_from(&self.state);
+        *exchange = self.exchange;
         Ok(())
     }
 
     fn restore(&mut self) -> Result<(), SolverError> {
-        self.state.clone_from(&self.saved);
-        if let Some(held) = &mut self.held {
-            held.exchange = self.saved_exchange;
+        if let Some((state, exchange)) = &self.saved {
+            self.state.clone_from(state);
+            self.exchange = *exchange;
         }
         Ok(())
     }
 
     fn memory_bytes(&self) -> u64 {
-        let states = [&self.state, &self.next, &self.saved].map(|s| size_of_val(&**s) as u64);
-        let held = self.held.as_ref().map_or(0, |held| {
-            held.rows.memory_bytes()
-                + (size_of_val(&*held.rank) + size_of_val(&*held.volume)) as u64
-        });
-        self.rows.memory_bytes()
-            + size_of_val(&*self.order) as u64
-            + states.iter().sum::<u64>()
-            + held
+        let saved = self.saved.as_ref().map_or(0, |(state, _)| size_of_val(&**state));
+        let states = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.held_volume);
+        self.rows.memory_bytes() + (size_of_val(&*self.order) + states) as u64
     }
 }

@@ -47,15 +47,9 @@ impl Needs {
     /// The needs of `problem`.
     pub fn of(problem: &Problem) -> Self {
         let volume = &problem.particles.volume;
-        let first = problem
-            .materials
-            .first()
-            .map(|material| material.diffusivity);
+        let first = problem.materials.first().map(|material| material.diffusivity);
         let same_volume = volume.iter().all(|v| v == &volume[0]);
-        let same_diffusivity = problem
-            .materials
-            .iter()
-            .all(|m| Some(m.diffusivity) == first);
+        let same_diffusivity = problem.materials.iter().all(|m| Some(m.diffusivity) == first);
         Self {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
@@ -80,12 +74,7 @@ impl Plan {
     pub fn new(problem: &Problem, machine: MachineKind) -> Self {
         let needs = Needs::of(problem);
         let left_out = left_out(problem, machine, needs);
-        Self {
-            machine,
-            path: Path::List,
-            needs,
-            left_out,
-        }
+        Self { machine, path: Path::List, needs, left_out }
     }
 
     /// The passes of a run, in order.
@@ -117,13 +106,7 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
     let on_gpu = machine != MachineKind::Cpu;
     let real = machine.precision().bytes();
     let mut list = Vec::new();
-    let mut leave = |what, why, bytes_saved| {
-        list.push(LeftOut {
-            what,
-            why,
-            bytes_saved,
-        })
-    };
+    let mut leave = |what, why, bytes_saved| list.push(LeftOut { what, why, bytes_saved });
     if !needs.held {
         // The CPU path would keep the starts of a second set of rows, the GPU an accumulator.
         let bytes = particles * if on_gpu { real } else { 8 };
@@ -131,11 +114,7 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
     }
     if on_gpu && !needs.coefficients {
         let why = "all particles share one volume and one diffusivity";
-        leave(
-            "volume and diffusivity by particle",
-            why,
-            particles * 2 * real,
-        );
+        leave("volume and diffusivity by particle", why, particles * 2 * real);
     }
     if !needs.periodic {
         leave("nearest images", "no axis is periodic", 0);
@@ -159,10 +138,7 @@ mod tests {
 
     fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
         let plan = Plan::new(problem, machine);
-        plan.left_out
-            .iter()
-            .map(|left| (left.what, left.bytes_saved))
-            .collect()
+        plan.left_out.iter().map(|left| (left.what, left.bytes_saved)).collect()
     }
 
     #[test]

@@ -2,8 +2,7 @@
 
 use super::SolverError;
 use crate::model::integrator::Schedule;
-use crate::model::neighbors::CellGrid;
-use crate::model::operator::rows::{Survey, assemble};
+use crate::model::operator::rows::{Rows, Survey};
 use crate::model::stability::{LargestEigenvalue, ReportBounds, largest_eigenvalue, safe_step};
 use crate::model::{Problem, StepChoice};
 
@@ -35,9 +34,7 @@ impl Step {
     /// The step that is really taken: `dt`, or less so that a whole number of steps lands on every
     /// output (s).
     pub fn taken(&self, problem: &Problem) -> f64 {
-        Schedule::new(&problem.time, self.dt)
-            .next()
-            .map_or(self.dt, |segment| segment.dt)
+        Schedule::new(&problem.time, self.dt).next().map_or(self.dt, |segment| segment.dt)
     }
 }
 
@@ -76,23 +73,14 @@ pub fn choose_step(
     measure: impl FnOnce() -> LargestEigenvalue,
 ) -> Result<Step, SolverError> {
     let safe = safe_step(survey.max_diagonal);
-    let mut limits = StepLimits {
-        report: ReportBounds::of(problem),
-        safe,
-        measured: None,
-    };
+    let mut limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
     let dt = match problem.time.step {
         StepChoice::Automatic => safe,
         StepChoice::Given(step) => step,
     };
     // The bound carries the rounding of a sum over the neighbours.
     if dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
-        return Ok(Step {
-            dt,
-            limits,
-            applications: 0,
-            warning: None,
-        });
+        return Ok(Step { dt, limits, applications: 0, warning: None });
     }
     let found = measure();
     let limit = 2.0 / found.bound;
@@ -101,10 +89,7 @@ pub fn choose_step(
         return Err(SolverError::UnstableStep { step: dt, limit });
     }
     let verdict = if dt > limit {
-        format!(
-            "{:.3} times ABOVE the measured limit {limit:.6e} s: it will grow",
-            dt / limit
-        )
+        format!("{:.3} times ABOVE the measured limit {limit:.6e} s: it will grow", dt / limit)
     } else {
         format!(
             "{:.1} % below the measured limit {limit:.6e} s; values may leave the initial range",
@@ -115,21 +100,11 @@ pub fn choose_step(
         "step {dt:.6e} s is {:.3} times the safe bound {safe:.6e} s and {verdict}",
         dt / safe
     );
-    Ok(Step {
-        dt,
-        limits,
-        applications: found.applications,
-        warning: Some(warning),
-    })
+    Ok(Step { dt, limits, applications: found.applications, warning: Some(warning) })
 }
 
-/// Measures the largest eigenvalue of the scene's matrix, assembled for this alone.
-pub fn measure_limit(problem: &Problem, grid: &CellGrid<'_>, survey: &Survey) -> LargestEigenvalue {
-    let rows = assemble(problem, grid, &survey.neighbors, |a| !problem.is_held(a));
-    let volume: Vec<f64> = grid
-        .order()
-        .iter()
-        .map(|&p| problem.particles.volume[p as usize])
-        .collect();
-    largest_eigenvalue(&rows, &volume)
+/// Measures the largest eigenvalue of the assembled matrix of `problem`; `order` is the grid's.
+pub fn measure_limit(problem: &Problem, order: &[u32], rows: &Rows) -> LargestEigenvalue {
+    let volume: Vec<f64> = order.iter().map(|&p| problem.particles.volume[p as usize]).collect();
+    largest_eigenvalue(rows, &volume)
 }

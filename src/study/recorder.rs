@@ -43,21 +43,13 @@ impl<'a> Recorder<'a> {
         let problem = &scene.problem;
         let interpolations = (problem.probes.iter())
             .map(|probe| {
-                Interpolation::at(problem, probe.at).ok_or_else(|| RunError::ProbeInVoid {
-                    name: probe.name.clone(),
-                    at: probe.at,
-                })
+                Interpolation::at(problem, probe.at)
+                    .ok_or_else(|| RunError::ProbeInVoid { name: probe.name.clone(), at: probe.at })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let files = folder
-            .map(|folder| Files::create(folder, problem.dimension))
-            .transpose()?;
+        let files = folder.map(|folder| Files::create(folder, problem.dimension)).transpose()?;
         let wants_density = files.is_some() && scene.fields.contains(&OutputField::Density);
-        let density = if wants_density {
-            rows::density(problem)
-        } else {
-            Vec::new()
-        };
+        let density = if wants_density { rows::density(problem) } else { Vec::new() };
         let state = problem.initial.clone();
         let mut recorder = Self {
             scene,
@@ -84,11 +76,7 @@ impl<'a> Recorder<'a> {
                 at: probe.at.to_array()[..self.scene.problem.dimension].to_vec(),
                 time: self.time,
                 value: interpolation.of(&self.state),
-                exact: self
-                    .scene
-                    .exact
-                    .as_ref()
-                    .map(|exact| exact.at(probe.at, self.time)),
+                exact: self.scene.exact.as_ref().map(|exact| exact.at(probe.at, self.time)),
             })
             .collect()
     }
@@ -105,17 +93,9 @@ impl<'a> Recorder<'a> {
         }
         let wants = |field| self.scene.fields.contains(&field);
         let compares = wants(OutputField::Exact) || wants(OutputField::Error);
-        let exact = if compares {
-            self.exact().unwrap_or_default()
-        } else {
-            Vec::new()
-        };
+        let exact = if compares { self.exact().unwrap_or_default() } else { Vec::new() };
         let error: Vec<f64> = if wants(OutputField::Error) {
-            self.state
-                .iter()
-                .zip(&exact)
-                .map(|(value, exact)| value - exact)
-                .collect()
+            self.state.iter().zip(&exact).map(|(value, exact)| value - exact).collect()
         } else {
             Vec::new()
         };
@@ -128,9 +108,7 @@ impl<'a> Recorder<'a> {
             })
             .collect();
         if let Some(files) = &mut self.files {
-            files
-                .series
-                .write(self.time, &self.scene.problem.particles.position, &fields)?;
+            files.series.write(self.time, &self.scene.problem.particles.position, &fields)?;
         }
         Ok(())
     }
@@ -163,10 +141,7 @@ impl Files {
     fn create(folder: &OutputFolder, dimension: usize) -> Result<Self, RunError> {
         folder.remove_stale()?;
         let series = SeriesWriter::new(folder.path());
-        Ok(Self {
-            series,
-            probes: ProbeWriter::create(folder.path(), dimension)?,
-        })
+        Ok(Self { series, probes: ProbeWriter::create(folder.path(), dimension)? })
     }
 }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::recorder::Recorder;
 use crate::case::Scene;
 use crate::model::integrator::Schedule;
-use crate::model::operator::rows::{Survey, cell_grid, survey};
+use crate::model::operator::rows::{Survey, assemble, cell_grid, survey};
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
     RunReport, WallTimes,
@@ -90,28 +90,32 @@ pub fn run(
 ) -> Result<Outcome, RunError> {
     let problem = &scene.problem;
     let grid = cell_grid(problem);
-    let survey = survey(problem, &grid);
+    // Only the CPU path keeps the rows; a device builds its own.
+    let (survey, mut rows) = match options.machine {
+        Machine::Cpu => {
+            let (survey, rows) = assemble(problem, &grid);
+            (survey, Some(rows))
+        }
+        Machine::Gpu { .. } => (survey(problem, &grid), None),
+    };
     SolverError::check_coincident(problem, &survey)?;
     let clock = Instant::now();
     let step = choose_step(problem, &survey, options.allow_unstable, || {
-        measure_limit(problem, &grid, &survey)
+        let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
+        measure_limit(problem, grid.order(), rows)
     })?;
     let measuring = clock.elapsed();
     let plan = Plan::new(problem, options.machine.kind());
-    let setup = Setup {
-        scene,
-        options,
-        survey: &survey,
-        step: &step,
-        plan: &plan,
-        measuring,
-    };
+    let setup = Setup { scene, options, survey: &survey, step: &step, plan: &plan, measuring };
+    let order = grid.into_order();
     match options.machine {
-        Machine::Cpu => solve(&setup, CpuBackend::new(problem, grid, &survey), progress),
+        Machine::Cpu => {
+            let rows = rows.expect("the CPU path has assembled them above");
+            solve(&setup, CpuBackend::new(problem, order, rows), progress)
+        }
         Machine::Gpu { device, precision } => {
-            drop(grid);
-            let backend =
-                GpuBackend::new(problem, step.dt, device, *precision).map_err(RunError::Solver)?;
+            drop((rows, order));
+            let backend = GpuBackend::new(problem, step.dt, device, *precision)?;
             solve(&setup, backend, progress)
         }
     }
@@ -150,12 +154,7 @@ fn solve<B: Backend>(
         None => schedule.total_steps(),
         Some(error) => error.good_steps(),
     };
-    let measured = Measured {
-        ready,
-        solving,
-        steps,
-        exchange: backend.exchange()?,
-    };
+    let measured = Measured { ready, solving, steps, exchange: backend.exchange()? };
     let memory = backend.memory_bytes();
     drop(backend);
     let state = std::mem::take(&mut recorder.state);
@@ -195,11 +194,7 @@ fn finish(
         report.wall_s.output = (recorder.spent + clock.elapsed()).as_secs_f64();
         folder.write_json("report.json", &report)?;
     }
-    Ok(Outcome {
-        report,
-        state: recorder.state,
-        stopped,
-    })
+    Ok(Outcome { report, state: recorder.state, stopped })
 }
 
 fn report(
@@ -233,11 +228,7 @@ fn report(
         dt: setup.step.taken(problem),
         dt_limit: setup.step.limits.stable(),
         simulated_s: recorder.time,
-        wall_s: WallTimes {
-            setup: measured.ready.as_secs_f64(),
-            solve,
-            output: 0.0,
-        },
+        wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
         updates_per_s: (particles * applications) as f64 / solve.max(f64::MIN_POSITIVE),
         memory_bytes: 0,
         field: FieldRange::of(&recorder.state),
@@ -246,18 +237,10 @@ fn report(
             total(&recorder.state, volume),
             measured.exchange,
         ),
-        density: Range {
-            min: setup.survey.min_density,
-            max: setup.survey.max_density,
-        },
-        error: setup
-            .scene
-            .exact
-            .as_ref()
-            .zip(exact)
-            .map(|(solution, exact)| {
-                ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
-            }),
+        density: Range { min: setup.survey.min_density, max: setup.survey.max_density },
+        error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
+            ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
+        }),
         probes: recorder.probes(),
         left_out: setup
             .plan
@@ -286,13 +269,8 @@ fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Opt
             .map(|k| first + (last - first) * f64::from(k) / f64::from(CURVE_POINTS));
         // The row's own y and z: the nearest row need not go through the point asked for.
         let on_row = |x: f64| DVec3::new(x, row.through.y, row.through.z);
-        x.map(|x| (x, solution.at(on_row(x), recorder.time)))
-            .unzip()
+        x.map(|x| (x, solution.at(on_row(x), recorder.time))).unzip()
     });
     let title = format!("{}, t = {:.6e} s", scene.title, recorder.time);
-    Some(Profile {
-        title,
-        exact_curve,
-        ..row
-    })
+    Some(Profile { title, exact_curve, ..row })
 }

@@ -51,20 +51,16 @@ fn plain_euler(problem: &Problem, steps: usize) -> (Vec<f64>, f64) {
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 #[test]
 fn steps_with_held_particles_equal_plain_steps() {
     let mut problem = random_lattice(KernelKind::CubicSpline, 2, 9);
     problem.held = vec![3, 40, 41, 80];
-    for (precision, epsilon) in [
-        (Precision::F32, f64::from(f32::EPSILON)),
-        (Precision::F64, f64::EPSILON),
-    ] {
+    for (precision, epsilon) in
+        [(Precision::F32, f64::from(f32::EPSILON)), (Precision::F64, f64::EPSILON)]
+    {
         let mut backend = backend(&problem, precision);
         backend.euler(STEP, 25).expect("steps");
         let field = backend.read().expect("field");
@@ -91,12 +87,7 @@ fn steps_with_held_particles_equal_plain_steps() {
         let noticed = (exchange - given_earlier).abs() > tolerance * volume;
         assert!(noticed || precision == Precision::F32);
         let rate = backend.rate().expect("rate");
-        assert!(
-            problem
-                .held
-                .iter()
-                .all(|&h| rate.as_ref()[h as usize] == 0.0)
-        );
+        assert!(problem.held.iter().all(|&h| rate.as_ref()[h as usize] == 0.0));
     }
 }
 
@@ -107,17 +98,11 @@ fn runs_repeat_bit_for_bit_and_do_not_depend_on_chunks_or_workgroups() {
         let options = GpuOptions::new(precision);
         let field = after(&problem, options, 50);
         assert_eq!(field, after(&problem, options, 50));
-        let split = GpuOptions {
-            list_chunk_bytes: Some(32 * 50 * 8),
-            ..options
-        };
+        let split = GpuOptions { list_chunk_bytes: Some(32 * 50 * 8), ..options };
         let chunked = GpuBackend::with_options(&problem, STEP, device(), split).expect("backend");
         assert!(chunked.chunk_count() > 10);
         assert_eq!(field, after(&problem, split, 50));
-        let wide = GpuOptions {
-            workgroup_size: 256,
-            ..options
-        };
+        let wide = GpuOptions { workgroup_size: 256, ..options };
         assert_eq!(field, after(&problem, wide, 50));
         let mut changed = problem.clone();
         changed.initial[5] += 0.01;
@@ -128,15 +113,9 @@ fn runs_repeat_bit_for_bit_and_do_not_depend_on_chunks_or_workgroups() {
 #[test]
 fn a_slice_that_no_binding_holds_is_an_error_with_its_size() {
     let problem = random_lattice(KernelKind::WendlandC2, 3, 6);
-    let options = GpuOptions {
-        list_chunk_bytes: Some(128),
-        ..GpuOptions::new(Precision::F32)
-    };
+    let options = GpuOptions { list_chunk_bytes: Some(128), ..GpuOptions::new(Precision::F32) };
     let error = GpuBackend::with_options(&problem, STEP, device(), options).expect_err("too large");
-    assert!(
-        error.to_string().contains("takes 128 in one piece"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("takes 128 in one piece"), "{error}");
 }
 
 #[test]
@@ -145,10 +124,7 @@ fn save_and_restore_bring_the_state_back() {
     problem.held = vec![7];
     let mut backend = backend(&problem, Precision::F32);
     backend.euler(STEP, 3).expect("steps");
-    let (field, given) = (
-        backend.read().expect("field"),
-        backend.exchange().expect("exchange"),
-    );
+    let (field, given) = (backend.read().expect("field"), backend.exchange().expect("exchange"));
     backend.save().expect("save");
     backend.euler(STEP, 4).expect("steps");
     assert_ne!(backend.read().expect("field"), field);
@@ -165,10 +141,7 @@ fn a_value_that_is_not_finite_is_noticed() {
             assert!(backend(&problem, precision).is_finite().expect("check"));
             problem.initial[77] = value;
             let mut backend = backend(&problem, precision);
-            assert!(
-                !backend.is_finite().expect("check"),
-                "{value} {precision:?}"
-            );
+            assert!(!backend.is_finite().expect("check"), "{value} {precision:?}");
         }
     }
 }

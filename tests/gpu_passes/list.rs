@@ -40,10 +40,7 @@ fn id_of(grid: &CellLayout, at: [i64; 3]) -> i64 {
 
 /// Particles by cell and then by index, and the first place of each cell.
 fn expected_order(grid: &CellLayout, positions: &[DVec3]) -> (Vec<u32>, Vec<u32>) {
-    let id: Vec<i64> = positions
-        .iter()
-        .map(|&x| id_of(grid, cell_of(grid, x)))
-        .collect();
+    let id: Vec<i64> = positions.iter().map(|&x| id_of(grid, cell_of(grid, x))).collect();
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_by_key(|&i| (id[i as usize], i));
     let mut sorted = id.clone();
@@ -60,9 +57,7 @@ fn steps(at: i64, cells: i64, periodic: bool) -> Vec<i64> {
         (true, 1) => vec![0],
         (true, 2) => vec![0, 1],
         (true, _) => vec![-1, 0, 1],
-        (false, _) => (-1..=1)
-            .filter(|s| (0..cells).contains(&(at + s)))
-            .collect(),
+        (false, _) => (-1..=1).filter(|s| (0..cells).contains(&(at + s))).collect(),
     }
 }
 
@@ -104,9 +99,7 @@ fn grid_of(problem: &Problem) -> CellLayout {
 fn found_neighbors(problem: &Problem, precision: Precision) -> Vec<Vec<u32>> {
     let backend = GpuBackend::new(problem, 1.0, device(), precision).expect("backend");
     let rows = backend.neighbors().expect("neighbours");
-    rows.iter()
-        .map(|row| row.iter().map(|&(b, _)| b).collect())
-        .collect()
+    rows.iter().map(|row| row.iter().map(|&(b, _)| b).collect()).collect()
 }
 
 /// Scenes with empty cells, with all particles in one cell, in every dimension, and with periodic
@@ -151,12 +144,7 @@ fn neighbors_equal_a_plain_search_in_the_same_order() {
         let expected = expected_neighbors(&problem, &grid_of(&problem));
         for precision in Precision::ALL {
             let found = found_neighbors(&problem, precision);
-            assert_eq!(
-                first_difference(&found, &expected),
-                None,
-                "{:?}",
-                problem.domain
-            );
+            assert_eq!(first_difference(&found, &expected), None, "{:?}", problem.domain);
         }
     }
 }
@@ -173,13 +161,9 @@ fn neighbors_of_many_particles_equal_a_plain_search() {
 fn the_plain_search_equals_brute_force() {
     for problem in scenes() {
         let count = problem.particles.len();
-        for (a, found) in expected_neighbors(&problem, &grid_of(&problem))
-            .iter()
-            .enumerate()
-        {
-            let near: BTreeSet<u32> = (0..count as u32)
-                .filter(|&b| is_neighbor(&problem, a, b as usize))
-                .collect();
+        for (a, found) in expected_neighbors(&problem, &grid_of(&problem)).iter().enumerate() {
+            let near: BTreeSet<u32> =
+                (0..count as u32).filter(|&b| is_neighbor(&problem, a, b as usize)).collect();
             assert_eq!(found.len(), near.len());
             assert_eq!(found.iter().copied().collect::<BTreeSet<_>>(), near);
         }

@@ -33,33 +33,19 @@ fn probe(choices: &Choices) -> Probed {
     let real = choices.real();
     let mut random = Random(3);
     // Distances first; as diffusivities the same numbers serve, with a second one beside.
-    let first_q = if choices.kernel == KernelKind::Hat {
-        1
-    } else {
-        0
-    };
+    let first_q = if choices.kernel == KernelKind::Hat { 1 } else { 0 };
     let exact: Vec<f64> = (first_q..1000)
-        .flat_map(|n| {
-            [
-                f64::from(n) / 1000.0,
-                10_f64.powf(6.0 * random.unit() - 3.0),
-            ]
-        })
+        .flat_map(|n| [f64::from(n) / 1000.0, 10_f64.powf(6.0 * random.unit() - 3.0)])
         .collect();
     let bytes = real.to_bytes(&exact);
     // Both sides see what the device sees.
     let rounded = real.from_bytes(&bytes);
     let arguments = device().storage_with("arguments", &bytes).expect("buffer");
     let count = rounded.len() / 2;
-    let shape = device()
-        .storage("shape", bytes.len() as u64)
-        .expect("buffer");
-    let mean = device()
-        .storage("mean", bytes.len() as u64 / 2)
-        .expect("buffer");
-    let pass = device()
-        .pass(&choices.probe(), &[&arguments, &shape, &mean], count as u64)
-        .expect("pass");
+    let shape = device().storage("shape", bytes.len() as u64).expect("buffer");
+    let mean = device().storage("mean", bytes.len() as u64 / 2).expect("buffer");
+    let pass =
+        device().pass(&choices.probe(), &[&arguments, &shape, &mean], count as u64).expect("pass");
     device().submit([&pass]).expect("submission");
     Probed {
         arguments: rounded.chunks_exact(2).map(|a| [a[0], a[1]]).collect(),

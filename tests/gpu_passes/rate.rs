@@ -17,10 +17,7 @@ fn brute_force(problem: &Problem, epsilon: f64) -> Vec<(f64, f64)> {
     let of = |a: usize| {
         let (mut sum, mut terms, mut neighbors) = (0.0, 0.0, 0);
         for b in (0..count).filter(|&b| b != a) {
-            let dist = problem
-                .domain
-                .nearest_image(position[a] - position[b])
-                .length();
+            let dist = problem.domain.nearest_image(position[a] - position[b]).length();
             if dist < problem.kernel.cutoff() {
                 let term = weight.of(a, b, dist) * (problem.initial[b] - problem.initial[a]);
                 sum += term;
@@ -59,10 +56,7 @@ fn rates_equal_brute_force_in_every_kernel_and_dimension() {
                     let mut problem = random_lattice(kernel, dimension, side);
                     problem.pair_mean = pair_mean;
                     let wrong = wrong_rates(&problem, &problem, precision);
-                    assert_eq!(
-                        wrong, 0,
-                        "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}"
-                    );
+                    assert_eq!(wrong, 0, "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}");
                 }
             }
         }

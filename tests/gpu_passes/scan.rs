@@ -13,9 +13,7 @@ fn exclusive_sums(values: &[u32]) -> Vec<u32> {
 }
 
 fn scanned(values: &[u32]) -> Vec<u32> {
-    let buffer = device()
-        .storage_with("values", bytemuck::cast_slice(values))
-        .expect("buffer");
+    let buffer = device().storage_with("values", bytemuck::cast_slice(values)).expect("buffer");
     let scan = Scan::new(device(), &buffer).expect("scan");
     device().submit(scan.passes()).expect("submission");
     bytemuck::pod_collect_to_vec(&device().read(&buffer).expect("values"))
@@ -25,17 +23,7 @@ fn scanned(values: &[u32]) -> Vec<u32> {
 fn scan_equals_running_sums_over_several_levels() {
     let block = SCAN_BLOCK as usize;
     let mut random = Random(1);
-    for count in [
-        0,
-        1,
-        2,
-        63,
-        block - 1,
-        block,
-        block + 1,
-        100_000,
-        block * block + 5,
-    ] {
+    for count in [0, 1, 2, 63, block - 1, block, block + 1, 100_000, block * block + 5] {
         let values: Vec<u32> = (0..count).map(|_| (random.next() % 1000) as u32).collect();
         let expected = exclusive_sums(&values);
         let sums = scanned(&values);

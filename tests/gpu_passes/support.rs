@@ -52,11 +52,7 @@ pub(crate) fn scene(
         dimension,
         spacing: support_radius / 2.0,
         domain,
-        particles: Particles {
-            position,
-            volume: vec![1.0; count],
-            material: vec![0; count],
-        },
+        particles: Particles { position, volume: vec![1.0; count], material: vec![0; count] },
         materials: vec![material(1.0)],
         kernel: Kernel::new(kind, dimension, support_radius).expect("defined in this dimension"),
         pair_mean: PairMean::Harmonic,
@@ -75,11 +71,7 @@ pub(crate) fn scene(
 }
 
 pub(crate) fn material(diffusivity: f64) -> Material {
-    Material {
-        name: "m".to_owned(),
-        diffusivity,
-        density: 1000.0,
-    }
+    Material { name: "m".to_owned(), diffusivity, density: 1000.0 }
 }
 
 /// A jittered lattice of `side` particles along each axis, periodic along x, with random fields,
@@ -101,16 +93,11 @@ pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) ->
         true => along(axis) as f64 * spacing,
         false => 0.0,
     }));
-    let domain = Domain {
-        min: DVec3::ZERO,
-        max,
-        periodic: [true, false, false],
-    };
+    let domain = Domain { min: DVec3::ZERO, max, periodic: [true, false, false] };
     let mut problem = scene(kind, 2.0 * spacing, domain, dimension, position);
     let volume = spacing.powi(dimension as i32);
-    problem.materials = (0..10)
-        .map(|_| material(1e-11 * 10_f64.powf(-3.0 * random.unit())))
-        .collect();
+    problem.materials =
+        (0..10).map(|_| material(1e-11 * 10_f64.powf(-3.0 * random.unit()))).collect();
     for i in 0..problem.particles.len() {
         problem.particles.volume[i] = volume * (0.8 + 0.4 * random.unit());
         problem.particles.material[i] = (random.next() % 10) as u16;
@@ -122,7 +109,5 @@ pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) ->
 /// The first place where two sequences differ.
 pub(crate) fn first_difference<T: PartialEq>(a: &[T], b: &[T]) -> Option<usize> {
     let shorter = a.len().min(b.len());
-    (0..shorter)
-        .find(|&i| a[i] != b[i])
-        .or((a.len() != b.len()).then_some(shorter))
+    (0..shorter).find(|&i| a[i] != b[i]).or((a.len() != b.len()).then_some(shorter))
 }

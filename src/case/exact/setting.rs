@@ -30,9 +30,7 @@ impl Setting<'_> {
         number: &Option<Number>,
         default: f64,
     ) -> Result<f64, CaseError> {
-        number
-            .as_ref()
-            .map_or(Ok(default), |number| self.given(key, number))
+        number.as_ref().map_or(Ok(default), |number| self.given(key, number))
     }
 
     pub(super) fn positive_or(
@@ -42,9 +40,7 @@ impl Setting<'_> {
         default: f64,
     ) -> Result<f64, CaseError> {
         let path = format!("exact.{key}");
-        number
-            .as_ref()
-            .map_or(Ok(default), |number| self.evaluator.positive(&path, number))
+        number.as_ref().map_or(Ok(default), |number| self.evaluator.positive(&path, number))
     }
 
     pub(super) fn axis(&self, axis: Axis) -> Result<usize, CaseError> {
@@ -71,12 +67,8 @@ impl Setting<'_> {
             [only] => Some(*only),
             _ => None,
         };
-        let unknown = |key| {
-            undetermined(
-                key,
-                format!("the case has {} deposits", self.deposits.len()),
-            )
-        };
+        let unknown =
+            |key| undetermined(key, format!("the case has {} deposits", self.deposits.len()));
         let amount = match (amount, only) {
             (Some(amount), _) => self.given("amount", amount)?,
             (None, Some((amount, _))) => amount,
@@ -107,18 +99,10 @@ impl Setting<'_> {
             let path = format!("exact.max[{axis}]");
             in_range(&path, max[axis], max[axis] > min[axis], "above exact.min")?;
         }
-        Ok(ZeroFluxBox {
-            dimension,
-            min,
-            max,
-            diffusivity: self.diffusivity(diffusivity)?,
-        })
+        Ok(ZeroFluxBox { dimension, min, max, diffusivity: self.diffusivity(diffusivity)? })
     }
 }
 
 fn undetermined(key: &str, reason: String) -> CaseError {
-    CaseError::Undetermined {
-        path: format!("exact.{key}"),
-        reason,
-    }
+    CaseError::Undetermined { path: format!("exact.{key}"), reason }
 }

@@ -25,20 +25,11 @@ pub(super) fn rewrite(
     if text.len() > MAX_LENGTH {
         return Err(format!("is longer than {MAX_LENGTH} characters"));
     }
-    let mut rewriter = Rewriter {
-        text,
-        position: 0,
-        output: String::new(),
-        open: Vec::new(),
-        meaning,
-    };
+    let mut rewriter =
+        Rewriter { text, position: 0, output: String::new(), open: Vec::new(), meaning };
     let mut operand_next = true;
     while operand_next || rewriter.peek().is_some() {
-        operand_next = if operand_next {
-            rewriter.operand()?
-        } else {
-            rewriter.operator()?
-        };
+        operand_next = if operand_next { rewriter.operand()? } else { rewriter.operator()? };
         if rewriter.open.len() >= MAX_DEPTH {
             return Err(format!("is nested more than {MAX_DEPTH} deep"));
         }

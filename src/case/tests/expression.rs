@@ -58,10 +58,7 @@ fn every_listed_function_can_be_called() {
     for name in function_names().split(' ') {
         let called = [format!("{name}(t/4)"), format!("{name}(t/4, x)")];
         let values = called.map(|text| value(&text));
-        assert!(
-            values.iter().filter(|value| value.is_ok()).count() == 1,
-            "{name}: {values:?}"
-        );
+        assert!(values.iter().filter(|value| value.is_ok()).count() == 1, "{name}: {values:?}");
     }
 }
 
@@ -101,19 +98,7 @@ fn nonsense_is_refused() {
         let reason = value(text).expect_err(text);
         assert!(reason.contains(part), "{text}: {reason}");
     }
-    assert!(
-        value(&"(".repeat(500))
-            .expect_err("deep")
-            .contains("nested")
-    );
-    assert!(
-        value(&"-".repeat(500))
-            .expect_err("deep")
-            .contains("nested")
-    );
-    assert!(
-        value(&"1+".repeat(501))
-            .expect_err("long")
-            .contains("longer")
-    );
+    assert!(value(&"(".repeat(500)).expect_err("deep").contains("nested"));
+    assert!(value(&"-".repeat(500)).expect_err("deep").contains("nested"));
+    assert!(value(&"1+".repeat(501)).expect_err("long").contains("longer"));
 }

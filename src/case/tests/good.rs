@@ -26,14 +26,8 @@ fn the_base_case_is_what_it_says() {
     assert_eq!(problem.correction, Correction::Moment);
     assert_eq!(problem.time.end, 172_800.0);
     assert_eq!(problem.time.step, StepChoice::Automatic);
-    assert_eq!(
-        (problem.time.output_every, problem.time.probe_every),
-        (172_800.0, 172_800.0)
-    );
-    assert_eq!(
-        scene.fields,
-        [OutputField::Value, OutputField::Exact, OutputField::Error]
-    );
+    assert_eq!((problem.time.output_every, problem.time.probe_every), (172_800.0, 172_800.0));
+    assert_eq!(scene.fields, [OutputField::Value, OutputField::Exact, OutputField::Error]);
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 
@@ -92,27 +86,15 @@ fn fills_share_one_lattice() {
     let problem = from_json("two", case, &[]).expect("good").problem;
     assert_eq!(problem.particles.len(), 32);
     assert_eq!(problem.materials[0].name, "iron");
-    let iron = problem
-        .particles
-        .material
-        .iter()
-        .filter(|&&material| material == 0)
-        .count();
+    let iron = problem.particles.material.iter().filter(|&&material| material == 0).count();
     assert_eq!(iron, 12);
     assert!(problem.particles.material.ends_with(&[0; 12]));
     // Disk and rest fill the box's lattice: the positions are the same set.
-    let mut found: Vec<[f64; 3]> = problem
-        .particles
-        .position
-        .iter()
-        .map(|x| [x.y, x.x, 0.0])
-        .collect();
+    let mut found: Vec<[f64; 3]> =
+        problem.particles.position.iter().map(|x| [x.y, x.x, 0.0]).collect();
     found.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
     let plain = with(&[]).expect("good").problem.particles.position;
-    assert_eq!(
-        found,
-        plain.iter().map(|x| [x.y, x.x, 0.0]).collect::<Vec<_>>()
-    );
+    assert_eq!(found, plain.iter().map(|x| [x.y, x.x, 0.0]).collect::<Vec<_>>());
 }
 
 #[test]
@@ -120,22 +102,14 @@ fn exact_solutions_take_their_parameters_from_the_scene() {
     let deposit = r#"initial=[{"amount":5,"at":[2,1]}]"#;
     let exact = |name: &str| {
         let exact = format!(r#"exact={{"name":"{name}"}}"#);
-        with(&[deposit, "boundaries=[]", &exact])
-            .expect(name)
-            .exact
-            .expect(name)
+        with(&[deposit, "boundaries=[]", &exact]).expect(name).exact.expect(name)
     };
-    let Solution::MassesInBox(masses) = exact("masses_in_box") else {
-        panic!("another one")
-    };
+    let Solution::MassesInBox(masses) = exact("masses_in_box") else { panic!("another one") };
     assert_eq!((masses.amount, masses.separation), (5.0, 0.5));
     assert_eq!(masses.at, DVec3::new(2.0, 1.0, 0.0));
     assert_eq!(masses.walls.max, DVec3::new(4.0, 2.0, 0.0));
     assert_eq!(masses.walls.diffusivity, 15.0 / 31_536_000.0);
-    assert_eq!(
-        (masses.walls.dimension, exact("point_source").name()),
-        (2, "point_source")
-    );
+    assert_eq!((masses.walls.dimension, exact("point_source").name()), (2, "point_source"));
     assert_eq!(exact("point_source_in_box").name(), "point_source_in_box");
     for json in [
         r#"{"name":"slab","axis":"y","left":1,"right":2,"initial":0}"#,
@@ -153,10 +127,8 @@ fn exact_solutions_take_their_parameters_from_the_scene() {
 #[test]
 fn warnings_say_what_overrides_leave_unused() {
     let load = |texts: &[&str]| {
-        let overrides: Vec<_> = texts
-            .iter()
-            .map(|text| Override::parse(text).expect("override"))
-            .collect();
+        let overrides: Vec<_> =
+            texts.iter().map(|text| Override::parse(text).expect("override")).collect();
         let mut case = base();
         case["output"] = json!({ "fields": ["value", "error"], "probe_every": 60 });
         case["time"]["step"] = json!(60);
@@ -165,39 +137,24 @@ fn warnings_say_what_overrides_leave_unused() {
     let scene = load(&["exact=null", "probes=[]"]).expect("good");
     assert_eq!(scene.fields, [OutputField::Value]);
     assert_eq!(scene.warnings.len(), 2);
-    assert!(
-        scene.warnings[0].starts_with("output.fields: not used:"),
-        "{:?}",
-        scene.warnings
-    );
+    assert!(scene.warnings[0].starts_with("output.fields: not used:"), "{:?}", scene.warnings);
     from_json("again", scene.resolved, &[]).expect("the resolved case has no unused key");
     let scene = load(&["time.end=0"]).expect("good");
     assert_eq!(scene.problem.time.step, StepChoice::Automatic);
     assert_eq!(scene.warnings.len(), 2);
     from_json("again", scene.resolved, &[]).expect("the resolved case has no unused key");
     // An override that itself has no use is an error.
-    let error = load(&["probes=[]", "output.probe_every=5"])
-        .expect_err("unused")
-        .to_string();
-    assert!(
-        error.starts_with("output.probe_every: not used:"),
-        "{error}"
-    );
+    let error = load(&["probes=[]", "output.probe_every=5"]).expect_err("unused").to_string();
+    assert!(error.starts_with("output.probe_every: not used:"), "{error}");
 }
 
 #[test]
 fn odd_boxes_and_lost_deposits_are_warnings() {
     let warnings = |overrides: &[&str]| with(overrides).expect("good").warnings;
     let found = warnings(&["particles.fill.0.shape.box.max=[4.1,2]"]);
-    assert!(
-        found[0].starts_with("particles.fill[0].shape.box: its 4.1 m along x"),
-        "{found:?}"
-    );
+    assert!(found[0].starts_with("particles.fill[0].shape.box: its 4.1 m along x"), "{found:?}");
     let found = warnings(&[r#"initial=[{"amount":1,"at":[0.25,0.25]}]"#]);
-    assert!(
-        found[0].starts_with("initial[0]: the particle at [0.25, 0.25] is held"),
-        "{found:?}"
-    );
+    assert!(found[0].starts_with("initial[0]: the particle at [0.25, 0.25] is held"), "{found:?}");
 }
 
 #[test]
@@ -206,19 +163,11 @@ fn files_and_names() {
     let file = folder.path().join("mine.json");
     std::fs::write(&file, base().to_string()).expect("written");
     let scene = load(file.to_str().expect("utf-8"), &[]).expect("good");
-    assert_eq!(
-        (scene.name.as_str(), scene.title.as_str()),
-        ("mine", "base")
-    );
+    assert_eq!((scene.name.as_str(), scene.title.as_str()), ("mine", "base"));
     assert_eq!(load("density", &[]).expect("shipped").name, "density");
     let error = load("gausian", &[]).expect_err("no such case").to_string();
-    assert!(
-        error.contains("gausian: no such file") && error.contains("\"gaussian\""),
-        "{error}"
-    );
-    let error = load("./gaussian", &[])
-        .expect_err("no such file")
-        .to_string();
+    assert!(error.contains("gausian: no such file") && error.contains("\"gaussian\""), "{error}");
+    let error = load("./gaussian", &[]).expect_err("no such file").to_string();
     assert!(error.starts_with("./gaussian: "), "{error}");
     assert!(from_text("base", &base().to_string(), &[]).is_ok());
 }

@@ -9,13 +9,7 @@ use crate::case::shape::{Shape, ShapeSpec};
 
 fn shape(json: serde_json::Value) -> Result<Shape, CaseError> {
     let spec: ShapeSpec = serde_json::from_value(json).expect("shape");
-    spec.resolve(
-        &Evaluator {
-            dimension: 3,
-            spacing: Some(0.1),
-        },
-        "s",
-    )
+    spec.resolve(&Evaluator { dimension: 3, spacing: Some(0.1) }, "s")
 }
 
 #[test]
@@ -32,11 +26,7 @@ fn shapes_hold_what_they_should() {
         (tube, [0.0, 1.0, 2.0], [0.0, 0.0, 2.1]),
         (shell, [0.0, 1.0, 0.0], [0.0, 0.9, 0.0]),
         (half.clone(), [-9.0, 5.0, 0.0], [0.6, 0.0, 0.0]),
-        (
-            json!({ "union": [unit.clone(), ball.clone()] }),
-            [-0.9, 0.0, 0.0],
-            [1.0, -1.0, 0.0],
-        ),
+        (json!({ "union": [unit.clone(), ball.clone()] }), [-0.9, 0.0, 0.0], [1.0, -1.0, 0.0]),
         (
             json!({ "difference": { "of": unit, "minus": [ball] } }),
             [0.9, 0.9, 0.9],
@@ -53,35 +43,20 @@ fn shapes_hold_what_they_should() {
 fn bounds_enclose() {
     let tilted = json!({ "cylinder": { "from": [0, 0, 0], "to": [1, 0, 0], "radius": 2 } });
     let bounds = shape(tilted).expect("good").bounds().expect("bounded");
-    assert_eq!(
-        bounds,
-        (DVec3::new(0.0, -2.0, -2.0), DVec3::new(1.0, 2.0, 2.0))
-    );
+    assert_eq!(bounds, (DVec3::new(0.0, -2.0, -2.0), DVec3::new(1.0, 2.0, 2.0)));
     let half = json!({ "half_space": { "point": [0.5, 0, 0], "normal": [2, 0, 0] } });
     assert_eq!(shape(half.clone()).expect("good").bounds(), None);
     let cut = json!({ "difference": { "of": { "sphere": { "center": [0, 0, 0], "radius": 1 } },
         "minus": [half] } });
-    assert_eq!(
-        shape(cut).expect("good").bounds(),
-        Some((-DVec3::ONE, DVec3::ONE))
-    );
+    assert_eq!(shape(cut).expect("good").bounds(), Some((-DVec3::ONE, DVec3::ONE)));
 }
 
 #[test]
 fn contradictions_are_named() {
     for (json, message) in [
-        (
-            json!({ "box": { "min": [0, 2, 0], "max": [1, 1, 1] } }),
-            "s: box.min must not",
-        ),
-        (
-            json!({ "sphere": { "center": [0, 0, 0], "radius": 0 } }),
-            "s.sphere.radius: is 0,",
-        ),
-        (
-            json!({ "sphere": { "center": [0, 0], "radius": 1 } }),
-            "s.sphere.center: has 2 ",
-        ),
+        (json!({ "box": { "min": [0, 2, 0], "max": [1, 1, 1] } }), "s: box.min must not"),
+        (json!({ "sphere": { "center": [0, 0, 0], "radius": 0 } }), "s.sphere.radius: is 0,"),
+        (json!({ "sphere": { "center": [0, 0], "radius": 1 } }), "s.sphere.center: has 2 "),
         (
             json!({ "cylinder": { "from": [0, 0, 0], "to": [0, 0, 0], "radius": 1 } }),
             "s: cylinder.from and",

@@ -34,11 +34,7 @@ fn shipped_cases_satisfy_the_schema() {
     let validator = jsonschema::validator_for(&schema()).expect("a valid schema");
     for (name, _) in shipped() {
         let case = file(&format!("{name}.json"));
-        assert!(
-            validator.is_valid(&case),
-            "{name}: {:?}",
-            validator.validate(&case)
-        );
+        assert!(validator.is_valid(&case), "{name}: {:?}", validator.validate(&case));
         assert_eq!(case["$schema"], "schema/case.schema.json", "{name}");
         for (pointer, key, wrong) in [
             ("", "titel", Value::from("x")),
@@ -89,11 +85,7 @@ fn every_shipped_case_loads_and_repeats_from_its_resolved_form() {
         assert_eq!(first.problem.time, second.problem.time, "{name}");
         assert_eq!(first.problem.probes, second.problem.probes, "{name}");
         assert_eq!(first.fields, second.fields, "{name}");
-        assert_eq!(
-            format!("{:?}", first.exact),
-            format!("{:?}", second.exact),
-            "{name}"
-        );
+        assert_eq!(format!("{:?}", first.exact), format!("{:?}", second.exact), "{name}");
     }
 }
 
@@ -110,12 +102,8 @@ fn layers_are_held_on_either_side() {
         assert_eq!(problem.particles.len(), count, "{name}");
         assert_eq!(problem.held.len(), count / 50, "{name}");
         assert_eq!(problem.domain.periodic, [false, true, true], "{name}");
-        for (particle, (&x, &value)) in problem
-            .particles
-            .position
-            .iter()
-            .zip(&problem.initial)
-            .enumerate()
+        for (particle, (&x, &value)) in
+            problem.particles.position.iter().zip(&problem.initial).enumerate()
         {
             let held = problem.held.binary_search(&(particle as u32)).is_ok();
             assert_eq!(held, x.x == 0.25 || x.x == 49.75, "{name} {x}");
@@ -125,11 +113,7 @@ fn layers_are_held_on_either_side() {
             };
             assert_eq!(value, expected, "{name} {x}");
             if held {
-                assert_eq!(
-                    scene.exact.as_ref().expect(name).at(x, 0.0),
-                    value,
-                    "{name}"
-                );
+                assert_eq!(scene.exact.as_ref().expect(name).at(x, 0.0), value, "{name}");
             }
         }
         assert_eq!(problem.time.step, StepChoice::Given(225.0));
@@ -141,36 +125,20 @@ fn layers_are_held_on_either_side() {
 
 #[test]
 fn deposits_lie_on_the_eight_central_particles() {
-    for (name, count, value, steps) in [
-        ("gaussian", 1_000_000, 1000.0, 2160.0),
-        ("gaussian_small", 13_824, 15.625, 135.0),
-    ] {
+    for (name, count, value, steps) in
+        [("gaussian", 1_000_000, 1000.0, 2160.0), ("gaussian_small", 13_824, 15.625, 135.0)]
+    {
         let scene = scene(name);
         let problem = &scene.problem;
         assert_eq!(problem.particles.len(), count, "{name}");
-        let filled: Vec<f64> = problem
-            .initial
-            .iter()
-            .copied()
-            .filter(|v| *v != 0.0)
-            .collect();
+        let filled: Vec<f64> = problem.initial.iter().copied().filter(|v| *v != 0.0).collect();
         assert_eq!(filled, [value; 8], "{name}");
         assert!(problem.held.is_empty());
-        let StepChoice::Given(step) = problem.time.step else {
-            panic!("{name}")
-        };
+        let StepChoice::Given(step) = problem.time.step else { panic!("{name}") };
         assert_eq!(problem.time.end / step, steps, "{name}");
-        assert_eq!(
-            problem.probes[0].at,
-            scene.problem.domain.max / 2.0 + problem.spacing / 2.0
-        );
-        let Some(Solution::MassesInBox(masses)) = &scene.exact else {
-            panic!("{name}")
-        };
-        assert_eq!(
-            (masses.amount, masses.separation),
-            (1000.0, problem.spacing)
-        );
+        assert_eq!(problem.probes[0].at, scene.problem.domain.max / 2.0 + problem.spacing / 2.0);
+        let Some(Solution::MassesInBox(masses)) = &scene.exact else { panic!("{name}") };
+        assert_eq!((masses.amount, masses.separation), (1000.0, problem.spacing));
     }
     let exact = scene("gaussian").exact.expect("exact");
     let found = exact.at(DVec3::splat(25.25), 2.0 * YEAR);

@@ -71,24 +71,12 @@ impl Iterator for Schedule {
         let probe = last || next_probe <= end + same;
         self.outputs += u64::from(output);
         self.probes += u64::from(probe);
-        let steps = ((end - self.time) / self.step * (1.0 - SAME_TIME))
-            .ceil()
-            .max(1.0);
+        let steps = ((end - self.time) / self.step * (1.0 - SAME_TIME)).ceil().max(1.0);
         let exact = (end - self.time) / steps;
         // The step as given where it fits: (end - time) / steps may differ from it by rounding.
-        let dt = if (exact - self.step).abs() <= SAME_TIME * self.step {
-            self.step
-        } else {
-            exact
-        };
+        let dt = if (exact - self.step).abs() <= SAME_TIME * self.step { self.step } else { exact };
         self.time = end;
-        Some(Segment {
-            end,
-            dt,
-            steps: steps as u64,
-            output,
-            probe,
-        })
+        Some(Segment { end, dt, steps: steps as u64, output, probe })
     }
 }
 
@@ -100,13 +88,7 @@ mod tests {
 
     fn plan(end: f64, output_every: f64, probe_every: f64) -> TimePlan {
         let step = StepChoice::Automatic;
-        TimePlan {
-            end,
-            step,
-            method: Method::Euler,
-            output_every,
-            probe_every,
-        }
+        TimePlan { end, step, method: Method::Euler, output_every, probe_every }
     }
 
     #[test]
@@ -114,21 +96,14 @@ mod tests {
         let segments: Vec<_> =
             Schedule::new(&plan(63_072_000.0, 63_072_000.0, 6_307_200.0), 225.0).collect();
         assert_eq!(segments.len(), 10);
-        assert!(
-            segments
-                .iter()
-                .all(|s| s.dt == 225.0 && s.steps == 28_032 && s.probe)
-        );
+        assert!(segments.iter().all(|s| s.dt == 225.0 && s.steps == 28_032 && s.probe));
         assert_eq!(segments.iter().filter(|s| s.output).count(), 1);
     }
 
     #[test]
     fn a_step_that_does_not_fit_is_lowered_never_raised() {
         let segments: Vec<_> = Schedule::new(&plan(1.0, 0.4, 1.0), 0.15).collect();
-        assert_eq!(
-            segments.iter().map(|s| s.steps).collect::<Vec<_>>(),
-            [3, 3, 2]
-        );
+        assert_eq!(segments.iter().map(|s| s.steps).collect::<Vec<_>>(), [3, 3, 2]);
         assert!(segments.iter().all(|s| s.dt <= 0.15));
         assert_eq!(segments.last().map(|s| s.end), Some(1.0));
         let time: f64 = segments.iter().map(|s| s.dt * s.steps as f64).sum();
@@ -138,10 +113,7 @@ mod tests {
     #[test]
     fn no_duration_has_no_steps_and_an_unlimited_step_has_one() {
         assert_eq!(Schedule::new(&plan(0.0, 1.0, 1.0), 0.1).total_steps(), 0);
-        assert_eq!(
-            Schedule::new(&plan(1.0, 1.0, 1.0), f64::INFINITY).total_steps(),
-            1
-        );
+        assert_eq!(Schedule::new(&plan(1.0, 1.0, 1.0), f64::INFINITY).total_steps(), 1);
     }
 
     #[test]

@@ -14,18 +14,10 @@ pub(super) static DEFINITION: Definition = Definition {
 
 fn shape(q: f64) -> f64 {
     let s = 2.0 * q;
-    if s < 1.0 {
-        1.0 - s * s * (1.5 - 0.75 * s)
-    } else {
-        0.25 * (2.0 - s).powi(3)
-    }
+    if s < 1.0 { 1.0 - s * s * (1.5 - 0.75 * s) } else { 0.25 * (2.0 - s).powi(3) }
 }
 
 fn shape_dw_over_r(q: f64) -> f64 {
     let s = 2.0 * q;
-    if s < 1.0 {
-        9.0 * s - 12.0
-    } else {
-        -3.0 * (2.0 - s).powi(2) / s
-    }
+    if s < 1.0 { 9.0 * s - 12.0 } else { -3.0 * (2.0 - s).powi(2) / s }
 }

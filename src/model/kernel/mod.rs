@@ -107,13 +107,7 @@ impl Kernel {
         let sigma = kind.definition().sigma[dimension - 1]?;
         let w_scale = sigma / support_radius.powi(dimension as i32);
         let dw_over_r_scale = w_scale / (support_radius * support_radius);
-        Some(Self {
-            kind,
-            dimension,
-            support_radius,
-            w_scale,
-            dw_over_r_scale,
-        })
+        Some(Self { kind, dimension, support_radius, w_scale, dw_over_r_scale })
     }
 
     /// Which kernel.
@@ -139,11 +133,7 @@ impl Kernel {
     /// W(r), m^-dim; 0 at and past the support radius.
     pub fn w(&self, r: f64) -> f64 {
         let q = r / self.support_radius;
-        if q < 1.0 {
-            self.w_scale * (self.kind.definition().shape)(q)
-        } else {
-            0.0
-        }
+        if q < 1.0 { self.w_scale * (self.kind.definition().shape)(q) } else { 0.0 }
     }
 
     /// W'(r) / r, m^-(dim + 2), never positive; 0 at and past the support radius. This is the

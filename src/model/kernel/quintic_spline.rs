@@ -8,11 +8,7 @@ pub(super) static DEFINITION: Definition = Definition {
     name: "quintic_spline",
     shape,
     shape_dw_over_r,
-    sigma: [
-        Some(1.0 / 40.0),
-        Some(63.0 / (478.0 * PI)),
-        Some(9.0 / (40.0 * PI)),
-    ],
+    sigma: [Some(1.0 / 40.0), Some(63.0 / (478.0 * PI)), Some(9.0 / (40.0 * PI))],
     finite_at_zero: true,
 };
 

@@ -40,15 +40,9 @@ fn integral_is_one_in_every_dimension_past_the_edge_too() {
         for dimension in dimensions(kind) {
             let kernel = Kernel::new(kind, dimension, 0.7).expect("defined");
             let integral = integrate(1.4, 600, |r| shell(dimension, r) * kernel.w(r));
-            assert!(
-                (integral - 1.0).abs() < 1e-12,
-                "{kind:?} in {dimension}-D: {integral}"
-            );
+            assert!((integral - 1.0).abs() < 1e-12, "{kind:?} in {dimension}-D: {integral}");
             let wrong = integrate(1.4, 600, |r| shell(dimension, r) * 1.001 * kernel.w(r));
-            assert!(
-                (wrong - 1.0).abs() > 1e-4,
-                "the check must notice a wrong factor"
-            );
+            assert!((wrong - 1.0).abs() > 1e-4, "the check must notice a wrong factor");
         }
     }
 }
@@ -64,10 +58,7 @@ fn derivative_over_r_is_the_derivative_of_w() {
                 let difference = (kernel.w(r + step) - kernel.w(r - step)) / (2.0 * step);
                 let crosses_edge = (r - 1.3).abs() < 2.0 * step;
                 let error = (kernel.dw_over_r(r) * r - difference).abs();
-                assert!(
-                    crosses_edge || error < 1e-7 * kernel.w(0.0),
-                    "{kind:?} at {r}: {error:e}"
-                );
+                assert!(crosses_edge || error < 1e-7 * kernel.w(0.0), "{kind:?} at {r}: {error:e}");
             }
         }
     }
@@ -79,13 +70,9 @@ fn first_moment_identity_holds() {
     for kind in KernelKind::ALL {
         for dimension in dimensions(kind) {
             let kernel = Kernel::new(kind, dimension, 1.0).expect("defined");
-            let moment = integrate(1.0, 600, |r| {
-                -shell(dimension, r) * r * r * kernel.dw_over_r(r)
-            });
-            assert!(
-                (moment - dimension as f64).abs() < 1e-11,
-                "{kind:?}: {moment}"
-            );
+            let moment =
+                integrate(1.0, 600, |r| -shell(dimension, r) * r * r * kernel.dw_over_r(r));
+            assert!((moment - dimension as f64).abs() < 1e-11, "{kind:?}: {moment}");
         }
     }
 }
@@ -98,20 +85,13 @@ fn vanishes_at_and_past_the_support_and_is_never_positive_in_dw_over_r() {
         assert_eq!((kernel.w(7.0), kernel.dw_over_r(7.0)), (0.0, 0.0));
         assert!((1..200).all(|k| kernel.dw_over_r(0.01 * f64::from(k)) <= 0.0));
         let at_zero = kernel.dw_over_r(0.0);
-        assert_eq!(
-            at_zero.is_finite(),
-            kind.definition().finite_at_zero,
-            "{kind:?}"
-        );
+        assert_eq!(at_zero.is_finite(), kind.definition().finite_at_zero, "{kind:?}");
     }
 }
 
 #[test]
 fn what_the_margin_leaves_out_is_negligible_but_for_the_hat() {
-    for kind in KernelKind::ALL
-        .into_iter()
-        .filter(|&kind| kind != KernelKind::Hat)
-    {
+    for kind in KernelKind::ALL.into_iter().filter(|&kind| kind != KernelKind::Hat) {
         let kernel = Kernel::new(kind, 1, 1.0).expect("defined");
         let left_out = kernel.dw_over_r(SUPPORT_MARGIN) / kernel.dw_over_r(0.1);
         assert!(left_out < 1e-11, "{kind:?}: {left_out:e}");

@@ -9,11 +9,7 @@ pub(super) static DEFINITION: Definition = Definition {
     name: "wendland_c6",
     shape,
     shape_dw_over_r,
-    sigma: [
-        Some(15.0 / 8.0),
-        Some(78.0 / (7.0 * PI)),
-        Some(1365.0 / (64.0 * PI)),
-    ],
+    sigma: [Some(15.0 / 8.0), Some(78.0 / (7.0 * PI)), Some(1365.0 / (64.0 * PI))],
     finite_at_zero: true,
 };
 

@@ -38,24 +38,17 @@ impl CellLayout {
     /// Cells for `particles` particles in `domain`, none narrower than `cutoff` (m, positive).
     pub fn new(domain: &Domain, dimension: usize, cutoff: f64, particles: usize) -> Self {
         let extent = domain.extent();
-        let limit = (particles as u64)
-            .saturating_mul(CELLS_PER_PARTICLE)
-            .clamp(CELLS_FLOOR, CELLS_CEILING);
+        let limit =
+            (particles as u64).saturating_mul(CELLS_PER_PARTICLE).clamp(CELLS_FLOOR, CELLS_CEILING);
         let mut width = cutoff;
         loop {
             let mut cells = [1_u32; 3];
             for axis in 0..dimension {
                 cells[axis] = (extent[axis] / width).floor().clamp(1.0, 1e9) as u32;
             }
-            let total = cells
-                .iter()
-                .fold(1_u64, |n, &c| n.saturating_mul(u64::from(c)));
+            let total = cells.iter().fold(1_u64, |n, &c| n.saturating_mul(u64::from(c)));
             if total <= limit {
-                return Self {
-                    domain: *domain,
-                    cells,
-                    size: Self::cell_size(extent, cells),
-                };
+                return Self { domain: *domain, cells, size: Self::cell_size(extent, cells) };
             }
             width *= 1.26;
         }
@@ -74,12 +67,7 @@ impl CellLayout {
     /// The cells of a scene: none narrower than its kernel's cutoff.
     pub fn of(problem: &Problem) -> Self {
         let particles = problem.particles.len();
-        Self::new(
-            &problem.domain,
-            problem.dimension,
-            problem.kernel.cutoff(),
-            particles,
-        )
+        Self::new(&problem.domain, problem.dimension, problem.kernel.cutoff(), particles)
     }
 
     /// How many cells there are.
@@ -91,9 +79,7 @@ impl CellLayout {
     pub fn coordinates(&self, x: DVec3) -> [u32; 3] {
         let scaled = (x - self.domain.min) / self.size;
         std::array::from_fn(|axis| {
-            scaled[axis]
-                .floor()
-                .clamp(0.0, f64::from(self.cells[axis] - 1)) as u32
+            scaled[axis].floor().clamp(0.0, f64::from(self.cells[axis] - 1)) as u32
         })
     }
 
@@ -108,10 +94,7 @@ impl CellLayout {
         }
         let coordinates = self.coordinates(self.domain.min + inside);
         let corner = DVec3::from_array(coordinates.map(f64::from));
-        CellPlace {
-            cell: self.index(coordinates) as u32,
-            offset: inside / self.size - corner,
-        }
+        CellPlace { cell: self.index(coordinates) as u32, offset: inside / self.size - corner }
     }
 
     /// The index of the cell at `coordinates`: x runs fastest.
@@ -124,11 +107,7 @@ impl CellLayout {
     /// The coordinates of the cell with this index.
     pub fn coordinates_of_index(&self, index: usize) -> [u32; 3] {
         let [nx, ny, _] = self.cells.map(|c| c as usize);
-        [
-            (index % nx) as u32,
-            (index / nx % ny) as u32,
-            (index / (nx * ny)) as u32,
-        ]
+        [(index % nx) as u32, (index / nx % ny) as u32, (index / (nx * ny)) as u32]
     }
 
     /// The cells that may hold neighbours of the particles in cell `index`, itself among them,

@@ -9,9 +9,7 @@ fn brute_force(domain: &Domain, position: &[DVec3], cutoff: f64) -> Vec<Vec<usiz
     let near = |a: usize, b: usize| {
         a != b && domain.nearest_image(position[b] - position[a]).length() < cutoff
     };
-    (0..position.len())
-        .map(|a| (0..position.len()).filter(|&b| near(a, b)).collect())
-        .collect()
+    (0..position.len()).map(|a| (0..position.len()).filter(|&b| near(a, b)).collect()).collect()
 }
 
 /// The grid's neighbours in particle indices, sorted; panics if one comes twice.
@@ -19,23 +17,13 @@ fn by_grid(grid: &CellGrid<'_>, cutoff: f64) -> Vec<Vec<usize>> {
     let mut lists = vec![Vec::new(); grid.order().len()];
     let mut scratch = Scratch::default();
     for cell in 0..grid.layout().count() {
-        grid.for_each_row(
-            cell,
-            cutoff,
-            &mut scratch,
-            |_| true,
-            |rank, neighbors| {
-                let list = &mut lists[grid.order()[rank] as usize];
-                list.extend(
-                    neighbors
-                        .iter()
-                        .map(|n| grid.order()[n.rank as usize] as usize),
-                );
-                list.sort_unstable();
-                let once = list.windows(2).all(|pair| pair[0] < pair[1]);
-                assert!(once, "a neighbour is listed twice: {list:?}");
-            },
-        );
+        grid.for_each_row(cell, cutoff, &mut scratch, |rank, neighbors| {
+            let list = &mut lists[grid.order()[rank] as usize];
+            list.extend(neighbors.iter().map(|n| grid.order()[n.rank as usize] as usize));
+            list.sort_unstable();
+            let once = list.windows(2).all(|pair| pair[0] < pair[1]);
+            assert!(once, "a neighbour is listed twice: {list:?}");
+        });
     }
     lists
 }
@@ -53,28 +41,16 @@ fn scatter(n: usize, dimension: usize, extent: DVec3, seed: u64) -> Vec<DVec3> {
 fn domain(dimension: usize, extent: DVec3, periodic: [bool; 3]) -> Domain {
     let mut max = DVec3::ZERO;
     (0..dimension).for_each(|axis| max[axis] = extent[axis]);
-    Domain {
-        min: DVec3::ZERO,
-        max,
-        periodic,
-    }
+    Domain { min: DVec3::ZERO, max, periodic }
 }
 
 #[test]
 fn hand_made_lists_in_one_dimension() {
-    let position: Vec<DVec3> = [0.1, 0.9, 1.6, 3.9]
-        .map(|x| DVec3::new(x, 0.0, 0.0))
-        .to_vec();
+    let position: Vec<DVec3> = [0.1, 0.9, 1.6, 3.9].map(|x| DVec3::new(x, 0.0, 0.0)).to_vec();
     let open = domain(1, DVec3::new(4.0, 0.0, 0.0), [false; 3]);
-    let closed = Domain {
-        periodic: [true, false, false],
-        ..open
-    };
+    let closed = Domain { periodic: [true, false, false], ..open };
     let lists = |domain: &Domain| {
-        by_grid(
-            &CellGrid::new(CellLayout::new(domain, 1, 1.0, 4), &position),
-            1.0,
-        )
+        by_grid(&CellGrid::new(CellLayout::new(domain, 1, 1.0, 4), &position), 1.0)
     };
     assert_eq!(lists(&open), [vec![1], vec![0, 2], vec![1], vec![]]);
     assert_eq!(lists(&closed), [vec![1, 3], vec![0, 2], vec![1], vec![0]]);
@@ -84,12 +60,7 @@ fn hand_made_lists_in_one_dimension() {
 fn equals_brute_force_with_one_two_three_and_more_cells_an_axis() {
     let cutoff = 1.0;
     for dimension in 1..=3 {
-        for cells in [
-            [1.2, 2.3, 3.4],
-            [2.0, 1.0, 5.5],
-            [3.0, 3.0, 1.7],
-            [2.9, 7.1, 2.2],
-        ] {
+        for cells in [[1.2, 2.3, 3.4], [2.0, 1.0, 5.5], [3.0, 3.0, 1.7], [2.9, 7.1, 2.2]] {
             for mask in 0..1_u8 << dimension {
                 let periodic = std::array::from_fn(|axis| mask >> axis & 1 == 1);
                 let region = domain(dimension, DVec3::from_array(cells), periodic);
@@ -128,11 +99,8 @@ fn the_sort_is_a_stable_permutation() {
     for cell in 0..grid.layout().count() {
         let members = &grid.order()[grid.ranks(cell)];
         assert!(members.windows(2).all(|pair| pair[0] < pair[1]));
-        let inside = |&p: &u32| {
-            grid.layout()
-                .index(grid.layout().coordinates(position[p as usize]))
-                == cell
-        };
+        let inside =
+            |&p: &u32| grid.layout().index(grid.layout().coordinates(position[p as usize])) == cell;
         assert!(members.iter().all(inside));
     }
 }

@@ -1,21 +1,25 @@
 //! The scene as a matrix: surveyed, then assembled once.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::PairWeight;
-use crate::model::Problem;
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
+use crate::model::{Problem, lattice};
 
 /// Cells that one task of a parallel walk handles.
 const CELLS_PER_TASK: usize = 256;
+/// Below this many rows one thread is faster than handing out tasks for every product.
+const SERIAL_ROWS: usize = 16_384;
 
 /// What one walk over all pairs tells about a scene, without storing the pairs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
-    /// Neighbours of the particle at each rank.
-    pub neighbors: Vec<u32>,
     /// Neighbours over all particles: twice the number of pairs.
     pub entries: u64,
+    /// The most neighbours that a particle has.
+    pub most_neighbors: usize,
     /// max_a |A_aa| = max_a sum_b w_ab over particles that are not held, 1/s; 0 if none has a
     /// neighbour.
     pub max_diagonal: f64,
@@ -27,13 +31,26 @@ pub struct Survey {
     pub coincident: Option<(usize, usize)>,
 }
 
-/// The weights of some rows of the matrix in compressed form: row `rank` has the columns
-/// `index[start[rank]..start[rank + 1]]`. Ranks are places in cell order.
+/// The matrix of a scene. Rows and columns are ranks, places in cell order.
+///
+/// The rows of held particles are empty among the others, since nothing changes there, and kept
+/// apart: what they would gain is what the outside has to take away.
 #[derive(Clone, Debug)]
 pub struct Rows {
-    /// Where each row begins, and one entry more for the end.
-    start: Vec<usize>,
-    /// Ranks of the neighbours, each below the number of rows.
+    /// The rows of all ranks, block after block.
+    blocks: Vec<RowBlock>,
+    /// The rows of held particles in the order of their ranks.
+    held: RowBlock,
+    /// Ranks of the held particles, ascending.
+    held_rank: Vec<u32>,
+    count: usize,
+}
+
+/// Rows in compressed form: row i has the columns `index[start[i]..start[i + 1]]`.
+#[derive(Clone, Debug)]
+struct RowBlock {
+    start: Vec<u32>,
+    /// Ranks of the neighbours, each below the number of rows of the matrix.
     index: Vec<u32>,
     /// Weights w_ab, 1/s, never negative.
     weight: Vec<f64>,
@@ -44,72 +61,135 @@ pub fn cell_grid(problem: &Problem) -> CellGrid<'_> {
     CellGrid::new(CellLayout::of(problem), &problem.particles.position)
 }
 
-/// Walks over all pairs once; see [`Survey`].
+/// Walks over all pairs once and stores none; see [`Survey`].
 pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
-    let blocks: Vec<Survey> = tasks(grid)
-        .into_par_iter()
-        .map(|cells| survey_cells(problem, grid, cells))
-        .collect();
-    let mut whole = Survey {
-        neighbors: Vec::with_capacity(grid.order().len()),
-        ..Survey::empty()
+    let walk = Walk::new(problem, grid);
+    let parts = tasks(grid).into_par_iter().map(|cells| walk.visit(cells, false).survey);
+    let parts: Vec<Survey> = parts.collect();
+    parts.into_iter().fold(Survey::EMPTY, Survey::merge)
+}
+
+/// Walks over all pairs once and stores the weights.
+pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
+    let walk = Walk::new(problem, grid);
+    let parts: Vec<Part> =
+        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, true)).collect();
+    let mut survey = Survey::EMPTY;
+    let mut rows = Rows {
+        blocks: Vec::with_capacity(parts.len()),
+        held: RowBlock::default(),
+        held_rank: Vec::new(),
+        count: grid.order().len(),
     };
-    for block in blocks {
-        whole.neighbors.extend(&block.neighbors);
-        whole.entries += block.entries;
-        whole.max_diagonal = whole.max_diagonal.max(block.max_diagonal);
-        whole.min_density = whole.min_density.min(block.min_density);
-        whole.max_density = whole.max_density.max(block.max_density);
-        whole.coincident = whole.coincident.or(block.coincident);
+    for part in parts {
+        survey = survey.merge(part.survey);
+        rows.blocks.push(part.free);
+        rows.held.append(&part.held);
+        rows.held_rank.extend(part.held_rank);
     }
-    whole
+    (survey, rows)
+}
+
+/// What the visit of some cells found.
+struct Part {
+    survey: Survey,
+    free: RowBlock,
+    held: RowBlock,
+    held_rank: Vec<u32>,
+}
+
+/// What every task of a walk needs.
+struct Walk<'a> {
+    problem: &'a Problem,
+    grid: &'a CellGrid<'a>,
+    weight: PairWeight<'a>,
+    /// Neighbours in the interior of a lattice: what rows are expected to have.
+    expected: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn new(problem: &'a Problem, grid: &'a CellGrid<'a>) -> Self {
+        let mut expected = 0;
+        lattice::for_each_neighbor(&problem.kernel, problem.spacing, |_| expected += 1);
+        Self { problem, grid, weight: PairWeight::new(problem), expected }
+    }
+
+    fn visit(&self, cells: Range<usize>, store: bool) -> Part {
+        let (problem, grid) = (self.problem, self.grid);
+        let particles = (grid.start()[cells.end] - grid.start()[cells.start]) as usize;
+        let capacity = if store { particles * self.expected } else { 0 };
+        let mut part = Part {
+            survey: Survey::EMPTY,
+            free: RowBlock::with_capacity(particles, capacity),
+            held: RowBlock::default(),
+            held_rank: Vec::new(),
+        };
+        let mut scratch = Scratch::default();
+        for cell in cells {
+            grid.for_each_row(cell, problem.kernel.cutoff(), &mut scratch, |rank, neighbors| {
+                let a = grid.order()[rank] as usize;
+                part.survey.note_neighbors(grid, a, neighbors);
+                part.survey.note_density(density_of(problem, grid, a, neighbors));
+                let held = problem.is_held(a);
+                if held && store {
+                    part.held_rank.push(rank as u32);
+                }
+                let block = if held { &mut part.held } else { &mut part.free };
+                let mut diagonal = 0.0;
+                for n in neighbors {
+                    let weight = self.weight.of(a, grid.order()[n.rank as usize] as usize, n.dist);
+                    diagonal += weight;
+                    if store {
+                        block.index.push(n.rank);
+                        block.weight.push(weight);
+                    }
+                }
+                if held {
+                    part.held.end_row();
+                } else {
+                    part.survey.max_diagonal = part.survey.max_diagonal.max(diagonal);
+                }
+                part.free.end_row();
+            });
+        }
+        part.free.shrink();
+        part
+    }
 }
 
 impl Survey {
-    fn empty() -> Self {
+    const EMPTY: Self = Self {
+        entries: 0,
+        most_neighbors: 0,
+        max_diagonal: 0.0,
+        min_density: f64::INFINITY,
+        max_density: f64::NEG_INFINITY,
+        coincident: None,
+    };
+
+    fn merge(self, other: Self) -> Self {
         Self {
-            neighbors: Vec::new(),
-            entries: 0,
-            max_diagonal: 0.0,
-            min_density: f64::INFINITY,
-            max_density: f64::NEG_INFINITY,
-            coincident: None,
+            entries: self.entries + other.entries,
+            most_neighbors: self.most_neighbors.max(other.most_neighbors),
+            max_diagonal: self.max_diagonal.max(other.max_diagonal),
+            min_density: self.min_density.min(other.min_density),
+            max_density: self.max_density.max(other.max_density),
+            coincident: self.coincident.or(other.coincident),
         }
     }
-}
 
-fn survey_cells(problem: &Problem, grid: &CellGrid<'_>, cells: std::ops::Range<usize>) -> Survey {
-    let weight = PairWeight::new(problem);
-    let mut scratch = Scratch::default();
-    let mut found = Survey::empty();
-    for cell in cells {
-        let cutoff = problem.kernel.cutoff();
-        grid.for_each_row(
-            cell,
-            cutoff,
-            &mut scratch,
-            |_| true,
-            |rank, neighbors| {
-                let a = grid.order()[rank] as usize;
-                found.neighbors.push(neighbors.len() as u32);
-                found.entries += neighbors.len() as u64;
-                let density = density_of(problem, grid, a, neighbors);
-                found.min_density = found.min_density.min(density);
-                found.max_density = found.max_density.max(density);
-                if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
-                    found.coincident = Some((a, grid.order()[same.rank as usize] as usize));
-                }
-                if !problem.is_held(a) {
-                    let diagonal = neighbors
-                        .iter()
-                        .map(|n| weight.of(a, grid.order()[n.rank as usize] as usize, n.dist))
-                        .sum();
-                    found.max_diagonal = found.max_diagonal.max(diagonal);
-                }
-            },
-        );
+    fn note_neighbors(&mut self, grid: &CellGrid<'_>, a: usize, neighbors: &[Neighbor]) {
+        self.entries += neighbors.len() as u64;
+        self.most_neighbors = self.most_neighbors.max(neighbors.len());
+        if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
+            self.coincident = Some((a, grid.order()[same.rank as usize] as usize));
+        }
     }
-    found
+
+    fn note_density(&mut self, density: f64) {
+        self.min_density = self.min_density.min(density);
+        self.max_density = self.max_density.max(density);
+    }
 }
 
 /// Summation density (18) of particle `a`: sum_b m_b W(r_ab), itself included.
@@ -125,26 +205,18 @@ fn density_of(problem: &Problem, grid: &CellGrid<'_>, a: usize, neighbors: &[Nei
 pub fn density(problem: &Problem) -> Vec<f64> {
     let grid = cell_grid(problem);
     let cutoff = problem.kernel.cutoff();
-    let by_task: Vec<Vec<f64>> = tasks(&grid)
-        .into_par_iter()
-        .map(|cells| {
-            let mut scratch = Scratch::default();
-            let mut density = Vec::new();
-            for cell in cells {
-                grid.for_each_row(
-                    cell,
-                    cutoff,
-                    &mut scratch,
-                    |_| true,
-                    |rank, neighbors| {
-                        let a = grid.order()[rank] as usize;
-                        density.push(density_of(problem, &grid, a, neighbors));
-                    },
-                );
-            }
-            density
-        })
-        .collect();
+    let of_cells = |cells: Range<usize>| {
+        let mut scratch = Scratch::default();
+        let mut density = Vec::new();
+        for cell in cells {
+            grid.for_each_row(cell, cutoff, &mut scratch, |rank, neighbors| {
+                let a = grid.order()[rank] as usize;
+                density.push(density_of(problem, &grid, a, neighbors));
+            });
+        }
+        density
+    };
+    let by_task: Vec<Vec<f64>> = tasks(&grid).into_par_iter().map(of_cells).collect();
     let mut out = vec![0.0; problem.particles.len()];
     for (&particle, value) in grid.order().iter().zip(by_task.into_iter().flatten()) {
         out[particle as usize] = value;
@@ -152,73 +224,9 @@ pub fn density(problem: &Problem) -> Vec<f64> {
     out
 }
 
-/// Assembles the rows of the particles that pass `wanted` (called with a particle's index); the
-/// other rows are empty. `neighbors` are the survey's.
-pub fn assemble(
-    problem: &Problem,
-    grid: &CellGrid<'_>,
-    neighbors: &[u32],
-    wanted: impl Fn(usize) -> bool + Sync,
-) -> Rows {
-    let wanted_rank = |rank: usize| wanted(grid.order()[rank] as usize);
-    let mut start = Vec::with_capacity(neighbors.len() + 1);
-    let mut end = 0;
-    start.push(0);
-    for (rank, &count) in neighbors.iter().enumerate() {
-        end += if wanted_rank(rank) { count as usize } else { 0 };
-        start.push(end);
-    }
-    let mut rows = Rows {
-        start,
-        index: vec![0; end],
-        weight: vec![0.0; end],
-    };
-    let mut blocks = Vec::new();
-    let (mut index, mut weight) = (rows.index.as_mut_slice(), rows.weight.as_mut_slice());
-    for cells in tasks(grid) {
-        let last = grid.start()[cells.end] as usize;
-        let first = grid.start()[cells.start] as usize;
-        let length = rows.start[last] - rows.start[first];
-        let (head_index, rest_index) = index.split_at_mut(length);
-        let (head_weight, rest_weight) = weight.split_at_mut(length);
-        (index, weight) = (rest_index, rest_weight);
-        blocks.push((cells, head_index, head_weight));
-    }
-    blocks.into_par_iter().for_each(|(cells, index, weight)| {
-        fill(problem, grid, cells, &wanted_rank, index, weight);
-    });
-    rows
-}
-
-/// Fills the entries of the rows of `cells`, which lie one behind the other.
-fn fill(
-    problem: &Problem,
-    grid: &CellGrid<'_>,
-    cells: std::ops::Range<usize>,
-    wanted: &impl Fn(usize) -> bool,
-    index: &mut [u32],
-    weight: &mut [f64],
-) {
-    let pair_weight = PairWeight::new(problem);
-    let mut scratch = Scratch::default();
-    let mut at = 0;
-    for cell in cells {
-        let cutoff = problem.kernel.cutoff();
-        grid.for_each_row(cell, cutoff, &mut scratch, wanted, |rank, neighbors| {
-            let a = grid.order()[rank] as usize;
-            for n in neighbors {
-                let b = grid.order()[n.rank as usize] as usize;
-                index[at] = n.rank;
-                weight[at] = pair_weight.of(a, b, n.dist);
-                at += 1;
-            }
-        });
-    }
-}
-
 /// The cells in equal runs, one a parallel task. They do not depend on the number of threads, so
 /// that neither do results.
-fn tasks(grid: &CellGrid<'_>) -> Vec<std::ops::Range<usize>> {
+fn tasks(grid: &CellGrid<'_>) -> Vec<Range<usize>> {
     let cells = grid.layout().count();
     (0..cells)
         .step_by(CELLS_PER_TASK)
@@ -229,60 +237,112 @@ fn tasks(grid: &CellGrid<'_>) -> Vec<std::ops::Range<usize>> {
 impl Rows {
     /// How many rows there are.
     pub fn len(&self) -> usize {
-        self.start.len() - 1
+        self.count
     }
 
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.count == 0
     }
 
-    /// Entries of the row `rank`.
-    pub fn row_len(&self, rank: usize) -> usize {
-        self.start[rank + 1] - self.start[rank]
+    /// Ranks of the held particles, ascending.
+    pub fn held_rank(&self) -> &[u32] {
+        &self.held_rank
     }
 
-    /// Entries of all rows.
-    pub fn entries(&self) -> usize {
-        self.index.len()
-    }
-
-    /// sum_b w_ab (C_b - C_a) of each row from `first` on, into `rate`: 1/s x the unit of `state`,
-    /// which is in cell order.
+    /// `out[a] = combine(state[a], rate_a)` for every row, in parallel, with
+    /// rate_a = sum_b w_ab (C_b - C_a), 1/s x the unit of `state`; 0 for held particles. Both
+    /// slices are in cell order.
     ///
     /// # Panics
-    /// If `state` has another length than there are rows.
-    pub fn rates(
-        &self,
-        first: usize,
-        state: &[f64],
-        mut rate: impl FnMut(usize, f64),
-        count: usize,
-    ) {
-        assert_eq!(state.len(), self.len(), "one value a row");
-        for rank in first..first + count {
-            rate(rank, self.row_rate(rank, state));
+    /// If a slice has another length than there are rows.
+    pub fn apply(&self, state: &[f64], out: &mut [f64], combine: impl Fn(f64, f64) -> f64 + Sync) {
+        assert!(state.len() == self.count && out.len() == self.count, "one value a row");
+        let advance = |(first, block, out): (usize, &RowBlock, &mut [f64])| {
+            for (row, out) in out.iter_mut().enumerate() {
+                let own = state[first + row];
+                *out = combine(own, block.rate(row, own, state));
+            }
+        };
+        let mut tasks = Vec::with_capacity(self.blocks.len());
+        let (mut first, mut rest) = (0, out);
+        for block in &self.blocks {
+            let (head, tail) = rest.split_at_mut(block.len());
+            tasks.push((first, block, head));
+            first += block.len();
+            rest = tail;
+        }
+        if self.count < SERIAL_ROWS {
+            tasks.into_iter().for_each(advance);
+        } else {
+            tasks.into_par_iter().for_each(advance);
         }
     }
 
-    /// The rate of one row; see [`Rows::rates`].
-    pub fn rate(&self, rank: usize, state: &[f64]) -> f64 {
-        assert_eq!(state.len(), self.len(), "one value a row");
-        self.row_rate(rank, state)
+    /// The rate that each held particle would have, in the order of [`Rows::held_rank`].
+    ///
+    /// # Panics
+    /// If `state` has another length than there are rows.
+    pub fn held_rates<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        assert_eq!(state.len(), self.count, "one value a row");
+        let rows = self.held_rank.iter().enumerate();
+        rows.map(|(row, &rank)| self.held.rate(row, state[rank as usize], state))
     }
 
+    /// Bytes that the rows hold.
+    pub fn memory_bytes(&self) -> u64 {
+        let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
+        (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank)) as u64
+    }
+}
+
+impl Default for RowBlock {
+    fn default() -> Self {
+        Self::with_capacity(0, 0)
+    }
+}
+
+impl RowBlock {
+    fn with_capacity(rows: usize, entries: usize) -> Self {
+        let mut start = Vec::with_capacity(rows + 1);
+        start.push(0);
+        Self { start, index: Vec::with_capacity(entries), weight: Vec::with_capacity(entries) }
+    }
+
+    fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Closes the row that entries have been pushed to.
+    fn end_row(&mut self) {
+        self.start.push(self.index.len() as u32);
+    }
+
+    fn append(&mut self, other: &Self) {
+        let base = self.index.len() as u32;
+        self.start.extend(other.start[1..].iter().map(|start| base + start));
+        self.index.extend(&other.index);
+        self.weight.extend(&other.weight);
+    }
+
+    fn shrink(&mut self) {
+        self.index.shrink_to_fit();
+        self.weight.shrink_to_fit();
+    }
+
+    /// sum_b w_ab (C_b - C_a) of a row whose own value is `own`.
+    ///
     /// Differences, not a product with a stored diagonal: a constant field has rate 0 exactly.
     /// Four sums run side by side, so that the chain of additions does not set the speed.
     #[inline]
     #[allow(
         unsafe_code,
-        reason = "checking the bounds of every neighbour costs a fifth of the speed of the product"
+        reason = "checking the bounds of every neighbour costs a tenth to a fifth of the speed"
     )]
-    fn row_rate(&self, rank: usize, state: &[f64]) -> f64 {
-        let range = self.start[rank]..self.start[rank + 1];
-        let own = state[rank];
-        // SAFETY: `assemble`, which alone makes rows, fills `index` with ranks below the number of
-        // rows, and callers have compared that number with the length of `state`.
+    fn rate(&self, row: usize, own: f64, state: &[f64]) -> f64 {
+        let range = self.start[row] as usize..self.start[row + 1] as usize;
+        // SAFETY: only a walk over the grid fills `index`, with ranks below the number of rows of
+        // the matrix, and the callers in `Rows` have compared that with the length of `state`.
         let term = |b: u32, w: f64| w * (unsafe { state.get_unchecked(b as usize) } - own);
         let index = self.index[range.clone()].chunks_exact(4);
         let weight = self.weight[range].chunks_exact(4);
@@ -297,9 +357,8 @@ impl Rows {
         (sum[0] + sum[1]) + (sum[2] + sum[3]) + tail
     }
 
-    /// Bytes that the rows hold.
-    pub fn memory_bytes(&self) -> u64 {
-        (size_of_val(&*self.start) + size_of_val(&*self.index) + size_of_val(&*self.weight)) as u64
+    fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.start) + size_of_val(&*self.index) + size_of_val(&*self.weight)
     }
 }
 

@@ -53,9 +53,7 @@ impl<'a> PairWeight<'a> {
         let moment = problem.correction.moment(kernel, problem.spacing);
         let scale = kernel.dw_over_r_scale() / moment;
         let materials = &problem.materials;
-        let pairs = materials
-            .iter()
-            .flat_map(|a| materials.iter().map(move |b| (a, b)));
+        let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (a, b)));
         Self {
             particles: &problem.particles,
             shape: kernel.kind().definition().shape_dw_over_r,

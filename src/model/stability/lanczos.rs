@@ -58,22 +58,17 @@ pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
     unreachable!("the last iteration returns")
 }
 
-/// A vector with a part in every mode: reproducible noise on the rows that are not empty.
+/// A vector with a part in every mode: reproducible noise where nothing is held.
 fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut vector: Vec<f64> = (0..n)
-        .map(|rank| {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963);
-            let empty = rows.row_len(rank) == 0;
-            if empty {
-                0.0
-            } else {
-                (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-            }
-        })
-        .collect();
+    let mut noise = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut vector: Vec<f64> = (0..n).map(|_| noise()).collect();
+    for &rank in rows.held_rank() {
+        vector[rank as usize] = 0.0;
+    }
     let norm = dot(&vector, &vector).sqrt();
     if norm > 0.0 {
         vector.iter_mut().for_each(|x| *x /= norm);
@@ -84,21 +79,17 @@ fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
 /// y = V^(1/2) (-A) V^(-1/2) x.
 fn apply(rows: &Rows, root: &[f64], x: &[f64]) -> Vec<f64> {
     let scaled: Vec<f64> = x.par_iter().zip(root).map(|(x, r)| x / r).collect();
-    (0..x.len())
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .map(|rank| -root[rank] * rows.rate(rank, &scaled))
-        .collect()
+    let mut y = vec![0.0; x.len()];
+    rows.apply(&scaled, &mut y, |_, rate| -rate);
+    y.par_iter_mut().zip(root).for_each(|(y, r)| *y *= r);
+    y
 }
 
 /// A dot product whose order of summation does not depend on the number of threads.
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     let part = |(x, y): (&[f64], &[f64])| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    let parts: Vec<f64> = x
-        .par_chunks(ROWS_PER_TASK)
-        .zip(y.par_chunks(ROWS_PER_TASK))
-        .map(part)
-        .collect();
+    let parts: Vec<f64> =
+        x.par_chunks(ROWS_PER_TASK).zip(y.par_chunks(ROWS_PER_TASK)).map(part).collect();
     parts.iter().sum()
 }
 
@@ -111,20 +102,14 @@ fn axpy(y: &mut [f64], factor: f64, x: &[f64]) {
 fn largest_ritz(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, f64) {
     let beta = |i: usize| off_diagonal.get(i).copied().unwrap_or(0.0);
     let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
-    let mut high = (0..diagonal.len())
-        .map(|i| diagonal[i] + radius(i))
-        .fold(f64::MIN, f64::max);
+    let mut high = (0..diagonal.len()).map(|i| diagonal[i] + radius(i)).fold(f64::MIN, f64::max);
     let mut low = diagonal.iter().copied().fold(f64::MIN, f64::max);
     while high - low > 1e-13 * high.abs() {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
             break;
         }
-        if is_above_all(diagonal, off_diagonal, middle) {
-            high = middle
-        } else {
-            low = middle
-        }
+        if is_above_all(diagonal, off_diagonal, middle) { high = middle } else { low = middle }
     }
     // The eigenvector by the three-term recurrence, scaled as it goes so that it stays finite.
     let (mut before, mut here, mut squares) = (0.0_f64, 1.0_f64, 1.0_f64);

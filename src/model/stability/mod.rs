@@ -21,10 +21,7 @@ impl ReportBounds {
     pub fn of(problem: &Problem) -> Self {
         let radius = problem.kernel.support_radius();
         let cfl = 0.125 * radius * radius / problem.max_diffusivity();
-        Self {
-            cfl,
-            cfl_third: cfl / 9.0,
-        }
+        Self { cfl, cfl_third: cfl / 9.0 }
     }
 }
 
@@ -33,9 +30,5 @@ impl ReportBounds {
 /// Where every weight is non-negative, a step up to here makes each new value a mean of old ones:
 /// stable, and the maximum principle holds. Infinite for a scene without pairs.
 pub fn safe_step(max_diagonal: f64) -> f64 {
-    if max_diagonal > 0.0 {
-        1.0 / max_diagonal
-    } else {
-        f64::INFINITY
-    }
+    if max_diagonal > 0.0 { 1.0 / max_diagonal } else { f64::INFINITY }
 }

@@ -66,10 +66,7 @@ impl Plan {
         if row > first {
             chunks.push((first..row, elements));
         }
-        Ok(Self {
-            slice_start,
-            chunks,
-        })
+        Ok(Self { slice_start, chunks })
     }
 }
 
@@ -185,13 +182,7 @@ fn count_neighbors(
     count: u64,
 ) -> Result<(Buffer, Vec<u32>), GpuError> {
     let row_length = device.storage("row lengths", 4 * count)?;
-    let buffers = [
-        &sorted.grid,
-        &sorted.offset,
-        &sorted.cell,
-        &sorted.cell_start,
-        &row_length,
-    ];
+    let buffers = [&sorted.grid, &sorted.offset, &sorted.cell, &sorted.cell_start, &row_length];
     let pass = device.pass(&choices.neighbor_count(), &buffers, count)?;
     device.submit([&pass])?;
     let lengths = bytemuck::pod_collect_to_vec(&device.read(&row_length)?);

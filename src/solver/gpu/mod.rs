@@ -36,11 +36,7 @@ pub struct GpuOptions {
 impl GpuOptions {
     /// The usual way, in this precision.
     pub fn new(precision: Precision) -> Self {
-        Self {
-            precision,
-            workgroup_size: passes::WORKGROUP_SIZE,
-            list_chunk_bytes: None,
-        }
+        Self { precision, workgroup_size: passes::WORKGROUP_SIZE, list_chunk_bytes: None }
     }
 }
 
@@ -115,17 +111,8 @@ impl GpuBackend {
         let rows: Vec<u32> = held.iter().map(|&(row, _)| row).collect();
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
         let most = device.max_binding_bytes();
-        let chunk_bytes = options
-            .list_chunk_bytes
-            .map_or(most, |bytes| bytes.min(most));
-        let list = List::new(
-            device,
-            &choices,
-            &sorted,
-            &rows,
-            table.as_ref(),
-            chunk_bytes,
-        )?;
+        let chunk_bytes = options.list_chunk_bytes.map_or(most, |bytes| bytes.min(most));
+        let list = List::new(device, &choices, &sorted, &rows, table.as_ref(), chunk_bytes)?;
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
         Ok(Self {
             steps: Steps::new(device, &choices, &list, &initial)?,
@@ -262,11 +249,8 @@ fn choices(problem: &Problem, scaling: &Scaling, options: GpuOptions) -> Choices
 /// Row and volume of each held particle.
 fn held_rows(problem: &Problem, order: &[u32]) -> Vec<(u32, f64)> {
     let held: BTreeSet<u32> = problem.held.iter().copied().collect();
-    let rows = (0..)
-        .zip(order)
-        .filter(|(_, particle)| held.contains(particle));
-    rows.map(|(row, &p)| (row, problem.particles.volume[p as usize]))
-        .collect()
+    let rows = (0..).zip(order).filter(|(_, particle)| held.contains(particle));
+    rows.map(|(row, &p)| (row, problem.particles.volume[p as usize])).collect()
 }
 
 /// The table of volume and diffusivity ratios in sorted order, where the scene needs one.
@@ -281,7 +265,5 @@ fn coefficient_table(
     };
     let sorted: Vec<f64> = order.iter().flat_map(|&p| ratios[p as usize]).collect();
     let bytes = choices.real().to_bytes(&sorted);
-    Ok(Some(
-        device.storage_with("volumes and diffusivities", &bytes)?,
-    ))
+    Ok(Some(device.storage_with("volumes and diffusivities", &bytes)?))
 }

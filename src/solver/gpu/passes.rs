@@ -34,27 +34,16 @@ pub const STEP: [&str; 2] = ["step", "finite"];
 pub static GRID: BlockLayout = BlockLayout {
     name: "Grid",
     counts: &["cells_x", "cells_y", "cells_z", "particles"],
-    reals: &[
-        "cell_over_support_x",
-        "cell_over_support_y",
-        "cell_over_support_z",
-        "weight_scale",
-    ],
+    reals: &["cell_over_support_x", "cell_over_support_y", "cell_over_support_z", "weight_scale"],
 };
 
 /// The rows of a chunk of the neighbour list.
-pub static CHUNK: BlockLayout = BlockLayout {
-    name: "Chunk",
-    counts: &["first_row", "end_row"],
-    reals: &[],
-};
+pub static CHUNK: BlockLayout =
+    BlockLayout { name: "Chunk", counts: &["first_row", "end_row"], reals: &[] };
 
 /// The step over the reference step.
-pub static STEP_SIZE: BlockLayout = BlockLayout {
-    name: "StepSize",
-    counts: &[],
-    reals: &["over_reference"],
-};
+pub static STEP_SIZE: BlockLayout =
+    BlockLayout { name: "StepSize", counts: &[], reals: &["over_reference"] };
 
 /// What a scene needs of the shaders: nothing else is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,10 +101,7 @@ impl Choices {
         self.on_grid(
             "cell_count",
             &[],
-            vec![
-                read("cell", Element::U32),
-                write("count", Element::AtomicU32),
-            ],
+            vec![read("cell", Element::U32), write("count", Element::AtomicU32)],
         )
     }
 
@@ -195,11 +181,7 @@ impl Choices {
         };
         let [kernel, mean] = self.pair_functions();
         let shared = ["grid", self.domain(), "search"];
-        self.on_grid(
-            "list",
-            &[&shared[..], &[material, &kernel, &mean]].concat(),
-            bindings,
-        )
+        self.on_grid("list", &[&shared[..], &[material, &kernel, &mean]].concat(), bindings)
     }
 
     /// One explicit Euler step of the rows of a chunk.
@@ -217,10 +199,7 @@ impl Choices {
     /// Raises a flag if a value is not finite.
     pub fn finite(&self) -> PassSource {
         let slot = format!("precision/{}", self.precision.name());
-        let bindings = vec![
-            read("state", Element::Real),
-            write("flag", Element::AtomicU32),
-        ];
+        let bindings = vec![read("state", Element::Real), write("flag", Element::AtomicU32)];
         self.source("finite", &[&slot], bindings)
     }
 
@@ -253,18 +232,11 @@ impl Choices {
     }
 
     fn domain(&self) -> &'static str {
-        if self.periodic.contains(&true) {
-            "domain/periodic"
-        } else {
-            "domain/open"
-        }
+        if self.periodic.contains(&true) { "domain/periodic" } else { "domain/open" }
     }
 
     fn pair_functions(&self) -> [String; 2] {
-        [
-            format!("kernel/{}", self.kernel.name()),
-            format!("operator/{}", self.pair_mean.name()),
-        ]
+        [format!("kernel/{}", self.kernel.name()), format!("operator/{}", self.pair_mean.name())]
     }
 
     fn on_grid(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
@@ -306,10 +278,7 @@ impl Choices {
                 ("PERIODIC_Z", Constant::Flag(periodic_z)),
                 ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
                 ("HELD_BIT", Constant::Count(HELD_BIT)),
-                (
-                    "CUTOFF_SQUARED",
-                    Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN),
-                ),
+                ("CUTOFF_SQUARED", Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN)),
                 ("LARGEST", Constant::Real(self.real().largest())),
             ],
             bindings,

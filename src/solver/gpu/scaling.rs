@@ -19,10 +19,8 @@ impl Scaling {
     pub(super) fn new(problem: &Problem, dt: f64) -> Self {
         let volume = &problem.particles.volume;
         let materials = &problem.particles.material;
-        let diffusivity: Vec<f64> = materials
-            .iter()
-            .map(|&m| problem.materials[usize::from(m)].diffusivity)
-            .collect();
+        let diffusivity: Vec<f64> =
+            materials.iter().map(|&m| problem.materials[usize::from(m)].diffusivity).collect();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let (volume_ref, diffusivity_ref) = (largest(volume), largest(&diffusivity));
         let uniform = volume.iter().all(|&v| v == volume_ref)

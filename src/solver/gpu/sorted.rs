@@ -68,13 +68,7 @@ impl Sorted {
         count: u64,
     ) -> Result<(), GpuError> {
         let (grid, start) = (&self.grid, &self.cell_start);
-        let Scratch {
-            offset,
-            cell,
-            taken,
-            scattered,
-            order,
-        } = scratch;
+        let Scratch { offset, cell, taken, scattered, order } = scratch;
         let bin = device.pass(&choices.bin(), &[grid, offset, cell], count)?;
         let cell_count = device.pass(&choices.cell_count(), &[grid, cell, start], count)?;
         // The counts have one element more than there are cells, so that their exclusive sums end
@@ -98,9 +92,7 @@ impl Sorted {
 
     /// The first row of each cell, and the number of rows: a diagnostic.
     pub fn cell_starts(&self, device: &Device) -> Result<Vec<u32>, GpuError> {
-        Ok(bytemuck::pod_collect_to_vec(
-            &device.read(&self.cell_start)?,
-        ))
+        Ok(bytemuck::pod_collect_to_vec(&device.read(&self.cell_start)?))
     }
 }
 
