@@ -1,5 +1,6 @@
 //! What is kept and written while a run goes on.
 
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use super::run::RunError;
@@ -22,7 +23,7 @@ pub(super) struct Recorder<'a> {
     /// Time of the last state, s.
     pub(super) time: f64,
     /// The last state, in the problem's order.
-    pub(super) state: Vec<f64>,
+    pub(super) state: Cow<'a, [f64]>,
     /// Time spent here.
     pub(super) spent: Duration,
 }
@@ -50,7 +51,7 @@ impl<'a> Recorder<'a> {
         let files = folder.map(|folder| Files::create(folder, problem.dimension)).transpose()?;
         let wants_density = files.is_some() && scene.fields.contains(&OutputField::Density);
         let density = if wants_density { rows::density(problem) } else { Vec::new() };
-        let state = problem.initial.clone();
+        let state = Cow::Borrowed(&problem.initial[..]);
         let mut recorder = Self {
             scene,
             progress,
@@ -133,7 +134,7 @@ impl<'a> Recorder<'a> {
 
     fn keep(&mut self, time: f64, state: &[f64]) {
         self.time = time;
-        self.state.copy_from_slice(state);
+        self.state = Cow::Owned(state.to_vec());
     }
 }
 

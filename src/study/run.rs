@@ -157,8 +157,7 @@ fn solve<B: Backend>(
     let measured = Measured { ready, solving, steps, exchange: backend.exchange()? };
     let memory = backend.memory_bytes();
     drop(backend);
-    let state = std::mem::take(&mut recorder.state);
-    finish(setup, recorder, state, &measured, memory, stopped)
+    finish(setup, recorder, &measured, memory, stopped)
 }
 
 /// What the run itself told.
@@ -172,14 +171,12 @@ struct Measured {
 /// Compares with the exact solution, writes what is left to write and fills the report.
 fn finish(
     setup: &Setup<'_>,
-    mut recorder: Recorder<'_>,
-    state: Vec<f64>,
+    recorder: Recorder<'_>,
     measured: &Measured,
     memory_bytes: u64,
     stopped: Option<SolverError>,
 ) -> Result<Outcome, RunError> {
     let clock = Instant::now();
-    recorder.state = state;
     let exact = recorder.exact();
     let mut report = report(setup, &recorder, exact.as_deref(), measured);
     report.memory_bytes = memory_bytes;
@@ -194,7 +191,7 @@ fn finish(
         report.wall_s.output = (recorder.spent + clock.elapsed()).as_secs_f64();
         folder.write_json("report.json", &report)?;
     }
-    Ok(Outcome { report, state: recorder.state, stopped })
+    Ok(Outcome { report, state: recorder.state.into_owned(), stopped })
 }
 
 fn report(

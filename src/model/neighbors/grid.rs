@@ -30,18 +30,26 @@ pub struct Neighbor {
 }
 
 /// Buffers that a walk over cells uses again and again.
-///
-/// The candidates of a cell, coordinate by coordinate: what the search does with them is then
-/// arithmetic on whole arrays, without a branch that depends on the data.
 #[derive(Default)]
 pub struct Scratch {
+    /// Rank of each candidate.
     rank: Vec<u32>,
-    coordinate: [Vec<f64>; 3],
-    squared: Vec<f64>,
-    near: Vec<u32>,
+    /// Position of each candidate, m.
+    position: Vec<DVec3>,
+    /// The candidates cell by cell.
+    groups: Vec<Group>,
+    /// What the search writes to: squared distances below the cutoff, then what comes next.
+    found: Vec<(u32, f64)>,
     neighbors: Vec<Neighbor>,
     /// Where the cell's own particles begin among the candidates.
     own: usize,
+}
+
+/// The candidates of one cell, and the box that they fill.
+struct Group {
+    candidates: Range<usize>,
+    min: DVec3,
+    max: DVec3,
 }
 
 impl<'a> CellGrid<'a> {
@@ -103,75 +111,89 @@ impl<'a> CellGrid<'a> {
             return;
         }
         self.gather(cell, scratch);
+        let first = self.ranks(cell).start;
         for rank in self.ranks(cell) {
-            let own = scratch.own + rank - self.ranks(cell).start;
-            self.measure(own, scratch);
-            scratch.select(own, cutoff * cutoff);
+            let own = scratch.own + rank - first;
+            if self.layout.domain.periodic.contains(&true) {
+                scratch.search::<true>(own, cutoff * cutoff, &self.layout.domain);
+            } else {
+                scratch.search::<false>(own, cutoff * cutoff, &self.layout.domain);
+            }
             row(rank, &scratch.neighbors);
         }
     }
 
-    /// Copies ranks and coordinates of all candidates, so that they are contiguous in memory.
+    /// Copies ranks and positions of all candidates, so that they are contiguous in memory.
     fn gather(&self, cell: usize, scratch: &mut Scratch) {
         scratch.rank.clear();
-        scratch.coordinate.iter_mut().for_each(Vec::clear);
+        scratch.position.clear();
+        scratch.groups.clear();
         self.layout.for_each_near(cell, |near| {
+            let start = scratch.rank.len();
             if near == cell {
-                scratch.own = scratch.rank.len();
+                scratch.own = start;
             }
             let ranks = self.ranks(near);
-            for (axis, coordinate) in scratch.coordinate.iter_mut().enumerate() {
-                let particles = &self.order[ranks.clone()];
-                coordinate.extend(particles.iter().map(|&p| self.position[p as usize][axis]));
-            }
+            let particles = &self.order[ranks.clone()];
+            scratch.position.extend(particles.iter().map(|&p| self.position[p as usize]));
             scratch.rank.extend(ranks.map(|rank| rank as u32));
+            let of_cell = &scratch.position[start..];
+            scratch.groups.push(Group {
+                candidates: start..scratch.rank.len(),
+                min: of_cell.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+                max: of_cell.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+            });
         });
-    }
-
-    /// The squared distance of every candidate from candidate `own`.
-    fn measure(&self, own: usize, scratch: &mut Scratch) {
-        let Scratch { coordinate, squared, .. } = scratch;
-        squared.clear();
-        squared.resize(coordinate[0].len(), 0.0);
-        let Domain { periodic, .. } = self.layout.domain;
-        let extent = self.layout.domain.extent();
-        for axis in 0..3 {
-            let here = coordinate[axis][own];
-            let candidates = squared.iter_mut().zip(&coordinate[axis]);
-            if periodic[axis] {
-                // Both are inside the domain, so one image more or less is enough.
-                let (length, half) = (extent[axis], 0.5 * extent[axis]);
-                candidates.for_each(|(squared, x)| {
-                    let mut difference = x - here;
-                    difference -= if difference > half { length } else { 0.0 };
-                    difference += if difference < -half { length } else { 0.0 };
-                    *squared += difference * difference;
-                });
-            } else {
-                candidates.for_each(|(squared, x)| *squared += (x - here) * (x - here));
-            }
-        }
+        scratch.found.resize(scratch.rank.len() + 1, (0, 0.0));
     }
 }
 
 impl Scratch {
-    /// The candidates nearer than the cutoff, but for `own`.
-    fn select(&mut self, own: usize, cutoff_squared: f64) {
-        self.squared[own] = f64::INFINITY;
-        self.near.resize(self.squared.len(), 0);
+    /// Finds the candidates nearer than the cutoff, but for `own`. A cell whose particles are all
+    /// too far is passed over: on a lattice that is most cells.
+    fn search<const PERIODIC: bool>(&mut self, own: usize, cutoff_squared: f64, domain: &Domain) {
+        let here = self.position[own];
+        let extent = domain.extent();
         let mut count = 0;
-        for (candidate, &squared) in (0_u32..).zip(&self.squared) {
-            // Written always and kept only if near: no branch to mispredict.
-            self.near[count] = candidate;
-            count += usize::from(squared < cutoff_squared);
+        for group in &self.groups {
+            let outside = (group.min - here).max(here - group.max).max(DVec3::ZERO);
+            // Round a periodic axis the other way may be shorter.
+            let is_far = !PERIODIC && outside.length_squared() >= cutoff_squared;
+            if is_far {
+                continue;
+            }
+            for candidate in group.candidates.clone() {
+                let mut difference = self.position[candidate] - here;
+                if PERIODIC {
+                    difference = nearest_image(difference, extent, domain.periodic);
+                }
+                let squared = difference.length_squared();
+                // Written always and kept only if near: no branch to mispredict.
+                self.found[count] = (self.rank[candidate], squared);
+                count += usize::from(squared < cutoff_squared && candidate != own);
+            }
         }
-        let (rank, squared) = (&self.rank, &self.squared);
         self.neighbors.clear();
-        self.neighbors.extend(self.near[..count].iter().map(|&candidate| Neighbor {
-            rank: rank[candidate as usize],
-            dist: squared[candidate as usize].sqrt(),
-        }));
+        let found = self.found[..count].iter();
+        self.neighbors
+            .extend(found.map(|&(rank, squared)| Neighbor { rank, dist: squared.sqrt() }));
     }
+}
+
+/// The nearest image of a difference of two positions that are both inside the domain, where one
+/// image more or less is enough.
+fn nearest_image(mut difference: DVec3, extent: DVec3, periodic: [bool; 3]) -> DVec3 {
+    for axis in 0..3 {
+        if periodic[axis] {
+            let half = 0.5 * extent[axis];
+            if difference[axis] > half {
+                difference[axis] -= extent[axis];
+            } else if difference[axis] < -half {
+                difference[axis] += extent[axis];
+            }
+        }
+    }
+    difference
 }
 
 #[cfg(test)]
