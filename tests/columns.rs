@@ -7,11 +7,12 @@
 //! step: known without taking a step.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::lattice::effective_diffusivity_ratio;
-use diffusph::solver::{Machine, Wish};
+use diffusph::solver::Machine;
 use diffusph::study::{self, RunOptions};
 
 /// Layers of the column.
@@ -32,7 +33,7 @@ fn solve(scene: &Scene) -> Vec<f64> {
         folder: None,
         started: Instant::now(),
     };
-    let outcome = study::run(scene, &options, &mut |_| Wish::Continue).expect("it runs");
+    let outcome = study::run(scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!(outcome.report.steps, STEPS);
     assert!(outcome.report.conserved.relative_drift.abs() < 1e-12);
     outcome.state

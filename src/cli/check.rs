@@ -8,9 +8,9 @@ use super::arguments::{CaseArguments, MachineArguments};
 use super::{CliError, print};
 use crate::case::Scene;
 use crate::model::integrator::Schedule;
-use crate::model::operator::rows::{Survey, assemble, cell_grid, survey};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
-use crate::solver::{Machine, Plan, SolverError, Step, choose_step, measure_limit};
+use crate::solver::Machine;
+use crate::study::{self, Prepared};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  diffusph check gaussian --set particles.spacing=1")]
@@ -25,28 +25,21 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
-    let scene = arguments.case.load()?;
-    let machine = Machine::open(&arguments.machine.wish())?;
-    let problem = &scene.problem;
-    let grid = cell_grid(problem);
-    let survey = survey(problem, &grid);
-    SolverError::check_coincident(problem, &survey)?;
-    let step = choose_step(problem, &survey, arguments.allow_unstable, || {
-        measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
-    })?;
-    let plan = Plan::new(problem, machine.kind());
-    print(describe(&scene, &survey, &step, &plan, machine.adapter()))
+    let mut scene = arguments.case.load()?;
+    let (machine, passed_over) = Machine::open(&arguments.machine.wish())?;
+    scene.warnings.extend(passed_over);
+    let (prepared, _) =
+        study::prepare(&scene.problem, machine.kind(), arguments.allow_unstable, false)?;
+    print(describe(&scene, &prepared, machine.adapter()))
 }
 
-fn describe(
-    scene: &Scene,
-    survey: &Survey,
-    step: &Step,
-    plan: &Plan,
-    adapter: Option<&str>,
-) -> String {
+fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String {
+    let Prepared { survey, step, plan } = prepared;
     let problem = &scene.problem;
-    let seconds = |s: f64| format!("{} s", significant(s, 6));
+    let seconds = |s: f64| match s.is_finite() {
+        true => format!("{} s", significant(s, 6)),
+        false => "no limit".to_owned(),
+    };
     let limits = &step.limits;
     let particles = problem.particles.len() as u64;
     let steps = Schedule::new(&problem.time, step.dt).total_steps();
@@ -102,7 +95,7 @@ fn describe(
             bytes(left.bytes_saved)
         );
     }
-    for warning in scene.warnings.iter().chain(&step.warning) {
+    for warning in scene.warnings.iter().chain(&step.warnings) {
         let _ = writeln!(text, "warning    {warning}");
     }
     text

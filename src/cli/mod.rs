@@ -63,6 +63,8 @@ enum CliError {
     Run(#[from] RunError),
     #[error("--out: {0}")]
     Folder(crate::report::OutputError),
+    #[error("--out: the run would overwrite its own case {}; choose another folder", .path.display())]
+    OverwritesCase { path: std::path::PathBuf },
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] io::Error),
     #[error("cannot write the report as JSON: {0}")]
@@ -81,7 +83,7 @@ impl CliError {
     /// 2 where the case or the flags are at fault, 1 where the run failed.
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Case(_) | Self::Folder(_) => 2,
+            Self::Case(_) | Self::Folder(_) | Self::OverwritesCase { .. } => 2,
             Self::Run(error) if error.is_usage() => 2,
             Self::Run(_) | Self::Stdout(_) | Self::Json(_) | Self::Interrupt(_) => 1,
         }
@@ -107,10 +109,25 @@ pub fn main() -> ExitCode {
         }
         Err(error) => {
             // Nothing can be done where standard error is closed.
-            let _ = writeln!(io::stderr(), "diffusph: {error}");
+            let _ = writeln!(io::stderr(), "diffusph: {}", with_causes(&error));
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// The error and what caused it, in one line.
+fn with_causes(error: &CliError) -> String {
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(error) = cause {
+        let reason = error.to_string();
+        // A transparent error repeats its cause.
+        if !text.contains(&reason) {
+            text = format!("{text}: {reason}");
+        }
+        cause = error.source();
+    }
+    text
 }
 
 /// Prints a line, or text that ends with one.

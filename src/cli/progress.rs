@@ -1,12 +1,13 @@
 //! The progress bar, and Ctrl-C.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::CliError;
-use crate::solver::{Progress, Wish};
+use crate::solver::Progress;
 
 /// Shows where a run is, on standard error and only to a terminal, and stops it on Ctrl-C.
 pub(super) struct Monitor {
@@ -19,7 +20,12 @@ impl Monitor {
     pub(super) fn new(quiet: bool) -> Result<Self, CliError> {
         let interrupted = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&interrupted);
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        ctrlc::set_handler(move || {
+            // The first asks the run to stop at a step; a second does not wait for one.
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(1);
+            }
+        })?;
         // Drawn to standard error, and hidden by the library where that is no terminal.
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -28,10 +34,13 @@ impl Monitor {
     }
 
     /// Takes note of where the run is.
-    pub(super) fn update(&self, progress: Progress) -> Wish {
+    pub(super) fn update(&self, progress: Progress) -> ControlFlow<()> {
         self.bar.set_length(progress.steps);
         self.bar.set_position(progress.step);
-        if self.interrupted.load(Ordering::Relaxed) { Wish::Stop } else { Wish::Continue }
+        match self.interrupted.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     }
 
     /// Removes the bar.

@@ -1,6 +1,6 @@
 //! `diffusph run`: solve a case.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -41,8 +41,10 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let started = Instant::now();
-    let scene = arguments.case.load()?;
-    let machine = Machine::open(&arguments.machine.wish())?;
+    let mut scene = arguments.case.load()?;
+    let (machine, passed_over) = Machine::open(&arguments.machine.wish())?;
+    scene.warnings.extend(passed_over);
+    let monitor = Monitor::new(arguments.quiet || arguments.json)?;
     let folder = folder(arguments, &scene)?;
     let options = RunOptions {
         machine: &machine,
@@ -50,7 +52,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         folder: folder.as_ref(),
         started,
     };
-    let monitor = Monitor::new(arguments.quiet || arguments.json)?;
     let result = study::run(&scene, &options, &mut |progress| monitor.update(progress));
     monitor.finish();
     match result {
@@ -69,7 +70,16 @@ fn folder(arguments: &Arguments, scene: &Scene) -> Result<Option<OutputFolder>, 
         return Ok(None);
     }
     let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+    let written = path.join("case.json");
+    if same_file(Path::new(&arguments.case.case), &written) {
+        return Err(CliError::OverwritesCase { path: written });
+    }
     OutputFolder::create(path).map(Some).map_err(CliError::Folder)
+}
+
+/// Whether both are there and are one file.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 fn show(
@@ -77,16 +87,16 @@ fn show(
     folder: Option<OutputFolder>,
     outcome: Outcome,
 ) -> Result<(), CliError> {
-    if arguments.json {
-        print_json(&outcome.report)?;
-    } else if !arguments.quiet {
-        print(outcome.report.summary())?;
-        if let Some(folder) = folder {
-            print(format!("files      {}", folder.path().display()))?;
-        }
-    }
+    let shown = if arguments.json {
+        print_json(&outcome.report)
+    } else if arguments.quiet {
+        Ok(())
+    } else {
+        let files = folder.map(|folder| format!("  files     {}\n", folder.path().display()));
+        print(outcome.report.summary() + &files.unwrap_or_default())
+    };
     match outcome.stopped {
         Some(error) => Err(error.into()),
-        None => Ok(()),
+        None => shown,
     }
 }

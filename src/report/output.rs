@@ -12,8 +12,10 @@ use thiserror::Error;
 const PARTIAL: &str = ".part";
 
 /// Files of ours other than the numbered ones.
-const OWN_FILES: [&str; 5] =
-    ["series.pvd", "probes.csv", "profile.svg", "report.json", "case.json"];
+///
+/// `case.json` is not among them: it may be the very case that is being run, and is replaced as a
+/// whole once the run has something to show.
+const OWN_FILES: [&str; 4] = ["series.pvd", "probes.csv", "profile.svg", "report.json"];
 
 /// What went wrong with the output, and where.
 #[derive(Debug, Error)]
@@ -95,7 +97,7 @@ impl OutputFolder {
     }
 
     /// Removes the files that an earlier run left: `particles_NNNN.vtu`, `series.pvd`,
-    /// `probes.csv`, `profile.svg`, `report.json`, `case.json`, and unfinished ones of the same
+    /// `probes.csv`, `profile.svg`, `report.json`, and unfinished ones of the same
     /// names. Anything else stays.
     pub fn remove_stale(&self) -> Result<(), OutputError> {
         let failed = |path: &Path, source| OutputError::RemoveStale { path: path.into(), source };

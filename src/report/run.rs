@@ -42,7 +42,8 @@ pub struct RunReport {
     pub method: String,
     /// Time steps taken.
     pub steps: u64,
-    /// How often the operator was applied to the whole field: the unit of cost.
+    /// How often the operator was applied to the whole field, the measuring of a step limit
+    /// included: the unit of cost.
     pub operator_applications: u64,
     /// Time step, s.
     #[serde(with = "number")]
@@ -55,7 +56,7 @@ pub struct RunReport {
     pub simulated_s: f64,
     /// Wall-clock times.
     pub wall_s: WallTimes,
-    /// Particles x operator applications / solve seconds, 1/s.
+    /// Particles x operator applications of the solution / solve seconds, 1/s.
     #[serde(with = "number")]
     pub updates_per_s: f64,
     /// Memory of the backend's buffers, bytes.
@@ -64,7 +65,7 @@ pub struct RunReport {
     pub field: FieldRange,
     /// The conserved total and what became of it.
     pub conserved: Conserved,
-    /// The summation density at t = 0, kg/m3.
+    /// The summation density at t = 0, kg/m^dim.
     pub density: Range,
     /// Distance to the exact solution; `null` where the case names none.
     pub error: Option<ErrorReport>,
@@ -79,13 +80,13 @@ pub struct RunReport {
 /// Wall-clock times, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WallTimes {
-    /// From the case to the first step.
+    /// From the case to the first step, a measured step limit included.
     #[serde(with = "number")]
     pub setup: f64,
-    /// Solving alone.
+    /// Solving alone, reading back included.
     #[serde(with = "number")]
     pub solve: f64,
-    /// Reading back and writing files.
+    /// Writing files and comparing with the exact solution.
     #[serde(with = "number")]
     pub output: f64,
 }
@@ -149,17 +150,19 @@ pub struct Conserved {
     /// What came in through walls, held particles and sources, positive into the body.
     #[serde(with = "number")]
     pub boundary_exchange: f64,
-    /// (final - initial - boundary_exchange) over the largest of the three magnitudes: the part of
-    /// the total that the solver itself lost or made. 0 where all three are 0.
+    /// (final - initial - boundary_exchange) over the largest of the three magnitudes and of the
+    /// initial sum of |value| x volume: the part of the total that the solver itself lost or made.
+    /// 0 where all of them are 0.
     #[serde(with = "number")]
     pub relative_drift: f64,
 }
 
 impl Conserved {
-    /// From the totals at both ends and the exchange; an exchange that is not known is NaN, and
-    /// the drift then is NaN too.
-    pub fn new(initial: f64, last: f64, boundary_exchange: f64) -> Self {
-        let scale = [initial, last, boundary_exchange].map(f64::abs);
+    /// From the totals at both ends, the exchange and the initial sum of |value| x volume, which
+    /// keeps the drift meaningful for a field whose total is 0 by symmetry. An exchange that is not
+    /// known is NaN, and the drift then is NaN too.
+    pub fn new(initial: f64, last: f64, boundary_exchange: f64, magnitude: f64) -> Self {
+        let scale = [initial, last, boundary_exchange, magnitude].map(f64::abs);
         let scale = scale.into_iter().fold(0.0, max_or_nan);
         let drift = last - initial - boundary_exchange;
         let relative_drift = if scale == 0.0 { 0.0 } else { drift / scale };

@@ -25,7 +25,7 @@ fn example() -> RunReport {
         updates_per_s: 2.0e9,
         memory_bytes: 24_000_000,
         field: FieldRange { min: 0.0, max: 0.1301, mean: 0.008 },
-        conserved: Conserved::new(1000.0, 1010.0, 10.0),
+        conserved: Conserved::new(1000.0, 1010.0, 10.0, 0.0),
         density: Range { min: 999.5, max: 1000.5 },
         error: Some(ErrorReport::new("point_source", Norms::new(&[1.1], &[1.0], &[2.0]))),
         probes: vec![ProbeReport {
@@ -80,7 +80,7 @@ fn what_is_not_finite_is_null() {
     let mut report = example();
     report.dt_limit = f64::INFINITY;
     report.field = FieldRange::of(&[1.0, f64::NAN]);
-    report.conserved = Conserved::new(1.0, f64::NEG_INFINITY, f64::NAN);
+    report.conserved = Conserved::new(1.0, f64::NEG_INFINITY, f64::NAN, 1.0);
     report.probes[0].exact = Some(f64::NAN);
     report.probes[0].at[1] = f64::NAN;
     report.error = Some(ErrorReport::new("x", Norms::new(&[f64::NAN], &[1.0], &[1.0])));
@@ -108,11 +108,12 @@ fn what_is_not_finite_is_null() {
 
 #[test]
 fn drift_is_what_the_exchange_does_not_explain() {
-    assert_eq!(Conserved::new(1000.0, 1010.0, 10.0).relative_drift, 0.0);
-    assert_eq!(Conserved::new(1000.0, 1000.5, 0.0).relative_drift, 0.5 / 1000.5);
-    assert_eq!(Conserved::new(0.0, 8.0, 10.0).relative_drift, -0.2, "scaled by the largest");
-    assert_eq!(Conserved::new(0.0, 0.0, 0.0).relative_drift, 0.0);
-    assert!(Conserved::new(1.0, 1.0, f64::NAN).relative_drift.is_nan());
+    assert_eq!(Conserved::new(1000.0, 1010.0, 10.0, 0.0).relative_drift, 0.0);
+    assert_eq!(Conserved::new(1000.0, 1000.5, 0.0, 0.0).relative_drift, 0.5 / 1000.5);
+    assert_eq!(Conserved::new(0.0, 8.0, 10.0, 0.0).relative_drift, -0.2, "scaled by the largest");
+    assert_eq!(Conserved::new(0.0, 0.0, 0.0, 0.0).relative_drift, 0.0);
+    assert_eq!(Conserved::new(0.0, 1e-16, 0.0, 1.0).relative_drift, 1e-16, "a signed field");
+    assert!(Conserved::new(1.0, 1.0, f64::NAN, 1.0).relative_drift.is_nan());
 }
 
 #[test]

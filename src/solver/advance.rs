@@ -1,5 +1,6 @@
 //! The time loop: written once, over the backend trait.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::{Backend, SolverError};
@@ -24,22 +25,13 @@ pub struct Progress {
     pub time: f64,
 }
 
-/// Whether to go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// Go on.
-    Continue,
-    /// Stop at this step.
-    Stop,
-}
-
 /// Who is told of a run as it goes.
 pub trait Observer {
     /// What makes the observer's part fail; solver errors become one too.
     type Error: From<SolverError>;
 
-    /// Called every so often between steps.
-    fn progress(&mut self, progress: Progress) -> Wish;
+    /// Called every so often between steps; a break stops the run at this step.
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()>;
 
     /// The state at a time of output or probe (`segment.output`, `segment.probe`), in the
     /// problem's order.
@@ -99,7 +91,7 @@ impl Run {
             self.step += count;
             let time = start + done as f64 * segment.dt;
             let progress = Progress { step: self.step, steps: self.steps, time };
-            if observer.progress(progress) == Wish::Stop {
+            if observer.progress(progress).is_break() && self.step < self.steps {
                 observer.last_state(time, backend.read()?.as_ref())?;
                 return Err(SolverError::Interrupted { step: self.step, time }.into());
             }
@@ -113,7 +105,8 @@ impl Run {
         self.chunk = (wanted as u64).clamp(1, (self.chunk * 4).min(LARGEST_CHUNK));
     }
 
-    /// Goes back to the chunk's start and finds the first step whose result is not finite.
+    /// Finds the first step of the chunk whose result is not finite, by bisection from the state
+    /// saved at its start, and leaves the backend at the step before.
     fn diverged<B: Backend, O: Observer>(
         &self,
         backend: &mut B,
@@ -123,24 +116,30 @@ impl Run {
         dt: f64,
         count: u64,
     ) -> Result<(), O::Error> {
-        backend.restore()?;
-        let mut good = backend.read()?;
-        for taken in 1..=count {
-            backend.euler(dt, 1)?;
-            let state = backend.read()?;
-            if let Some(particle) = state.as_ref().iter().position(|x| !x.is_finite()) {
-                observer.last_state(start + (taken - 1) as f64 * dt, good.as_ref())?;
-                return Err(SolverError::Diverged {
-                    step: self.step + taken,
-                    time: start + taken as f64 * dt,
-                    particle,
-                    position: problem.particles.position[particle],
-                    value: state.as_ref()[particle],
-                }
-                .into());
-            }
-            good = state;
+        let (mut good, mut bad) = (0, count);
+        while bad - good > 1 {
+            let middle = good + (bad - good) / 2;
+            backend.restore()?;
+            backend.euler(dt, middle)?;
+            if backend.is_finite()? { good = middle } else { bad = middle }
         }
-        Err(SolverError::NotRepeatable { step: self.step }.into())
+        backend.restore()?;
+        backend.euler(dt, bad)?;
+        let state = backend.read()?;
+        backend.restore()?;
+        backend.euler(dt, good)?;
+        observer.last_state(start + good as f64 * dt, backend.read()?.as_ref())?;
+        let not_finite = state.as_ref().iter().position(|x| !x.is_finite());
+        Err(match not_finite {
+            None => SolverError::NotRepeatable { step: self.step },
+            Some(particle) => SolverError::Diverged {
+                step: self.step + bad,
+                time: start + bad as f64 * dt,
+                particle,
+                position: problem.particles.position[particle],
+                value: state.as_ref()[particle],
+            },
+        }
+        .into())
     }
 }

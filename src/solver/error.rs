@@ -69,6 +69,12 @@ pub enum SolverError {
         /// Time reached, s.
         time: f64,
     },
+    /// An adapter is named, but the CPU path is asked for.
+    #[error("--adapter {name}: `--backend cpu` uses no adapter; leave one of the two out")]
+    AdapterOnCpu {
+        /// The name asked for.
+        name: String,
+    },
     /// A precision that the CPU path does not have.
     #[error("--precision {}: the CPU path is f64 only, and no GPU was chosen", .precision.name())]
     PrecisionOnCpu {
@@ -86,6 +92,7 @@ impl SolverError {
         match self {
             Self::UnstableStep { .. }
             | Self::CoincidentParticles { .. }
+            | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. } => true,
             Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
             Self::Gpu(error) => error.is_usage(),

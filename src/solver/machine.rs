@@ -1,7 +1,7 @@
 //! Where a run takes place.
 
 use super::{Precision, SolverError};
-use crate::gpu::{self, Device};
+use crate::gpu::{self, Adapter, Device};
 
 /// What the user asks for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -68,26 +68,40 @@ impl MachineKind {
 }
 
 impl Machine {
-    /// Finds and opens the machine that `wish` asks for.
+    /// Finds and opens the machine that `wish` asks for. The text says why a real GPU was passed
+    /// over, if it was.
     ///
     /// # Errors
     /// An adapter that does not exist, a precision that the machine does not have.
-    pub fn open(wish: &MachineWish) -> Result<Self, SolverError> {
+    pub fn open(wish: &MachineWish) -> Result<(Self, Option<String>), SolverError> {
         let named = wish.adapter.as_deref();
-        let adapter = match wish.backend {
-            BackendWish::Cpu => None,
-            BackendWish::Gpu => gpu::choose(named, true)?,
+        let (adapter, may_fall_back) = match (wish.backend, named) {
+            (BackendWish::Cpu, Some(name)) => {
+                return Err(SolverError::AdapterOnCpu { name: name.to_owned() });
+            }
+            (BackendWish::Cpu, None) => (None, false),
+            (BackendWish::Gpu, _) => (gpu::choose(named, true)?, false),
             // A name that is given is meant, software or not.
-            BackendWish::Auto => gpu::choose(named, named.is_some())?,
+            (BackendWish::Auto, Some(_)) => (gpu::choose(named, true)?, false),
+            (BackendWish::Auto, None) => (gpu::choose(None, false)?, true),
         };
-        match (adapter, wish.precision) {
-            (Some(adapter), precision) => Ok(Self::Gpu {
-                device: Device::open(&adapter)?,
-                precision: precision.unwrap_or(Precision::F32),
-            }),
-            (None, None | Some(Precision::F64)) => Ok(Self::Cpu),
-            (None, Some(precision)) => Err(SolverError::PrecisionOnCpu { precision }),
+        let opened = adapter.map(|adapter| Self::open_gpu(&adapter, wish.precision)).transpose();
+        match (opened, wish.precision) {
+            (Ok(Some(machine)), _) => Ok((machine, None)),
+            (Ok(None), None | Some(Precision::F64)) => Ok((Self::Cpu, None)),
+            (Ok(None), Some(precision)) => Err(SolverError::PrecisionOnCpu { precision }),
+            (Err(error), None) if may_fall_back => {
+                Ok((Self::Cpu, Some(format!("took the CPU path: {error}"))))
+            }
+            (Err(error), _) => Err(error),
         }
+    }
+
+    fn open_gpu(adapter: &Adapter, precision: Option<Precision>) -> Result<Self, SolverError> {
+        let device = Device::open(adapter)?;
+        let precision = precision.unwrap_or(Precision::F32);
+        device.require(precision.real())?;
+        Ok(Self::Gpu { device, precision })
     }
 
     /// Which kind it is.

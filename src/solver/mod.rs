@@ -10,7 +10,7 @@ pub mod plan;
 mod precision;
 mod step;
 
-pub use advance::{Observer, Progress, Wish, advance};
+pub use advance::{Observer, Progress, advance};
 pub use backend::Backend;
 pub use error::SolverError;
 pub use machine::{BackendWish, Machine, MachineKind, MachineWish};

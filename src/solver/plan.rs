@@ -47,9 +47,12 @@ impl Needs {
     /// The needs of `problem`.
     pub fn of(problem: &Problem) -> Self {
         let volume = &problem.particles.volume;
-        let first = problem.materials.first().map(|material| material.diffusivity);
         let same_volume = volume.iter().all(|v| v == &volume[0]);
-        let same_diffusivity = problem.materials.iter().all(|m| Some(m.diffusivity) == first);
+        let material = &problem.particles.material;
+        let diffusivity = |m: &u16| problem.materials[usize::from(*m)].diffusivity;
+        let same_diffusivity = material
+            .iter()
+            .all(|m| m == &material[0] || diffusivity(m) == diffusivity(&material[0]));
         Self {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
@@ -90,13 +93,13 @@ impl Plan {
         [setup, step].concat()
     }
 
-    /// About how many bytes the state and the operator take: `entries` is the number of neighbours
-    /// over all particles.
+    /// About how many bytes the state and the operator take, but for what fills up the slices of a
+    /// list on the GPU: `entries` is the number of neighbours over all particles.
     pub fn memory_bytes(&self, problem: &Problem, entries: u64) -> u64 {
         let particles = problem.particles.len() as u64;
         let real = self.machine.precision().bytes();
-        // Two states and the saved one; order and start of each row.
-        let by_particle = 3 * real + 12;
+        // Two states and the saved one; order and start, or length, of each row.
+        let by_particle = 3 * real + 8;
         entries * (4 + real) + particles * by_particle
     }
 }
@@ -167,6 +170,8 @@ mod tests {
         problem.materials.push(problem.materials[0].clone());
         assert!(!Needs::of(&problem).coefficients);
         problem.materials[1].diffusivity *= 2.0;
+        assert!(!Needs::of(&problem).coefficients, "no particle is made of it");
+        problem.particles.material[3] = 1;
         assert!(Needs::of(&problem).coefficients);
     }
 }

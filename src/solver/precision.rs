@@ -1,5 +1,7 @@
 //! The precision of a run.
 
+use crate::gpu::Real;
+
 /// The precision of state, weights and arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Precision {
@@ -12,6 +14,14 @@ pub enum Precision {
 impl Precision {
     /// Every precision.
     pub const ALL: [Self; 2] = [Self::F32, Self::F64];
+
+    /// What `real` means in the shaders.
+    pub(super) fn real(self) -> Real {
+        match self {
+            Self::F32 => Real::F32,
+            Self::F64 => Real::F64,
+        }
+    }
 
     /// Bytes of one number.
     pub fn bytes(self) -> u64 {

@@ -27,28 +27,25 @@ pub struct Step {
     /// Operator applications that measuring the limit took.
     pub applications: u64,
     /// What the user should know.
-    pub warning: Option<String>,
+    pub warnings: Vec<String>,
 }
 
 impl Step {
-    /// The step that is really taken: `dt`, or less so that a whole number of steps lands on every
-    /// output (s).
+    /// The smallest step that is really taken: `dt`, or less so that a whole number of steps lands
+    /// on every output (s).
     pub fn taken(&self, problem: &Problem) -> f64 {
-        Schedule::new(&problem.time, self.dt).next().map_or(self.dt, |segment| segment.dt)
+        let segments = Schedule::new(&problem.time, self.dt);
+        segments.map(|segment| segment.dt).reduce(f64::min).unwrap_or(self.dt)
     }
-}
 
-impl Step {
-    /// What to say where a given step had to be lowered.
-    pub fn lowered(&self, problem: &Problem) -> Option<String> {
+    /// What to say where a given step has to be lowered.
+    fn lowered(&self, problem: &Problem) -> Option<String> {
         let taken = self.taken(problem);
-        let StepChoice::Given(step) = problem.time.step else {
-            return None;
-        };
+        let StepChoice::Given(step) = problem.time.step else { return None };
         (taken < step).then(|| {
             format!(
-                "step {step:.6e} s lowered to {taken:.6e} s, so that a whole number of steps lands \
-                 on every output"
+                "step {step:.6e} s lowered to as little as {taken:.6e} s, so that a whole number of \
+                 steps lands on every output"
             )
         })
     }
@@ -73,18 +70,21 @@ pub fn choose_step(
     measure: impl FnOnce() -> LargestEigenvalue,
 ) -> Result<Step, SolverError> {
     let safe = safe_step(survey.max_diagonal);
-    let mut limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
+    let limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
     let dt = match problem.time.step {
         StepChoice::Automatic => safe,
         StepChoice::Given(step) => step,
     };
+    let mut step = Step { dt, limits, applications: 0, warnings: Vec::new() };
+    step.warnings.extend(step.lowered(problem));
     // The bound carries the rounding of a sum over the neighbours.
     if dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
-        return Ok(Step { dt, limits, applications: 0, warning: None });
+        return Ok(step);
     }
     let found = measure();
     let limit = 2.0 / found.bound;
-    limits.measured = Some(limit);
+    step.limits.measured = Some(limit);
+    step.applications = found.applications;
     if dt > limit && !allow_unstable {
         return Err(SolverError::UnstableStep { step: dt, limit });
     }
@@ -96,11 +96,11 @@ pub fn choose_step(
             100.0 * (1.0 - dt / limit)
         )
     };
-    let warning = format!(
+    step.warnings.push(format!(
         "step {dt:.6e} s is {:.3} times the safe bound {safe:.6e} s and {verdict}",
         dt / safe
-    );
-    Ok(Step { dt, limits, applications: found.applications, warning: Some(warning) })
+    ));
+    Ok(step)
 }
 
 /// Measures the largest eigenvalue of the assembled matrix of `problem`; `order` is the grid's.

@@ -3,4 +3,4 @@
 mod recorder;
 mod run;
 
-pub use run::{Outcome, RunError, RunOptions, run};
+pub use run::{Outcome, Prepared, RunError, RunOptions, prepare, run};

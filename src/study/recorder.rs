@@ -1,7 +1,10 @@
 //! What is kept and written while a run goes on.
 
 use std::borrow::Cow;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
+
+use glam::DVec3;
 
 use super::run::RunError;
 use crate::case::{OutputField, Scene};
@@ -10,12 +13,12 @@ use crate::model::interpolation::Interpolation;
 use crate::model::operator::rows;
 use crate::report::run::ProbeReport;
 use crate::report::{OutputFolder, ProbeRecord, ProbeWriter, SeriesWriter};
-use crate::solver::{Observer, Progress, Wish};
+use crate::solver::{Observer, Progress};
 
 /// Writes fields and probes at their times, and keeps the last state.
 pub(super) struct Recorder<'a> {
     scene: &'a Scene,
-    progress: &'a mut dyn FnMut(Progress) -> Wish,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     files: Option<Files>,
     interpolations: Vec<Interpolation>,
     /// The summation density, where a file wants it.
@@ -38,7 +41,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn start(
         scene: &'a Scene,
         folder: Option<&OutputFolder>,
-        progress: &'a mut dyn FnMut(Progress) -> Wish,
+        progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Self, RunError> {
         let clock = Instant::now();
         let problem = &scene.problem;
@@ -77,15 +80,25 @@ impl<'a> Recorder<'a> {
                 at: probe.at.to_array()[..self.scene.problem.dimension].to_vec(),
                 time: self.time,
                 value: interpolation.of(&self.state),
-                exact: self.scene.exact.as_ref().map(|exact| exact.at(probe.at, self.time)),
+                exact: self.exact_at(probe.at),
             })
             .collect()
     }
 
-    /// The exact solution at the time of the last state.
+    /// The exact value at a point at the time of the last state, where it is finite.
+    fn exact_at(&self, at: DVec3) -> Option<f64> {
+        let exact = self.scene.exact.as_ref()?.at(at, self.time);
+        exact.is_finite().then_some(exact)
+    }
+
+    /// The exact solution at the time of the last state; NaN where it is singular.
     pub(super) fn exact(&self) -> Option<Vec<f64>> {
         let exact = self.scene.exact.as_ref()?;
-        Some(exact.evaluate(&self.scene.problem.particles.position, self.time))
+        let mut values = exact.evaluate(&self.scene.problem.particles.position, self.time);
+        // A point source is infinite at its point at t = 0: there is nothing to compare with, and
+        // an infinity would spoil the colour range of every viewer.
+        values.iter_mut().filter(|x| x.is_infinite()).for_each(|x| *x = f64::NAN);
+        Some(values)
     }
 
     fn write_fields(&mut self) -> Result<(), RunError> {
@@ -149,7 +162,7 @@ impl Files {
 impl Observer for Recorder<'_> {
     type Error = RunError;
 
-    fn progress(&mut self, progress: Progress) -> Wish {
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
         (self.progress)(progress)
     }
 

@@ -1,13 +1,15 @@
 //! One run of a scene: set-up, solution, output and report.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
 use super::recorder::Recorder;
 use crate::case::Scene;
+use crate::model::Problem;
 use crate::model::integrator::Schedule;
-use crate::model::operator::rows::{Survey, assemble, cell_grid, survey};
+use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey};
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
     RunReport, WallTimes,
@@ -16,7 +18,8 @@ use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::GpuBackend;
 use crate::solver::{
-    Backend, Machine, Plan, Progress, SolverError, Step, Wish, advance, choose_step, measure_limit,
+    Backend, Machine, MachineKind, Plan, Progress, SolverError, Step, advance, choose_step,
+    measure_limit,
 };
 
 /// Points of the exact curve of a profile.
@@ -86,60 +89,76 @@ impl RunError {
 pub fn run(
     scene: &Scene,
     options: &RunOptions<'_>,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let problem = &scene.problem;
-    let grid = cell_grid(problem);
     // Only the CPU path keeps the rows; a device builds its own.
-    let (survey, mut rows) = match options.machine {
-        Machine::Cpu => {
-            let (survey, rows) = assemble(problem, &grid);
-            (survey, Some(rows))
+    let keep_rows = matches!(options.machine, Machine::Cpu);
+    let (prepared, rows) =
+        prepare(problem, options.machine.kind(), options.allow_unstable, keep_rows)?;
+    match (options.machine, rows) {
+        (Machine::Gpu { device, precision }, _) => {
+            let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
+            solve(scene, options, &prepared, backend, progress)
         }
-        Machine::Gpu { .. } => (survey(problem, &grid), None),
-    };
-    SolverError::check_coincident(problem, &survey)?;
-    let clock = Instant::now();
-    let step = choose_step(problem, &survey, options.allow_unstable, || {
-        let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
-        measure_limit(problem, grid.order(), rows)
-    })?;
-    let measuring = clock.elapsed();
-    let plan = Plan::new(problem, options.machine.kind());
-    let setup = Setup { scene, options, survey: &survey, step: &step, plan: &plan, measuring };
-    let order = grid.into_order();
-    match options.machine {
-        Machine::Cpu => {
-            let rows = rows.expect("the CPU path has assembled them above");
-            solve(&setup, CpuBackend::new(problem, order, rows), progress)
+        (Machine::Cpu, Some((order, rows))) => {
+            let backend = CpuBackend::new(problem, order, rows);
+            solve(scene, options, &prepared, backend, progress)
         }
-        Machine::Gpu { device, precision } => {
-            drop((rows, order));
-            let backend = GpuBackend::new(problem, step.dt, device, *precision)?;
-            solve(&setup, backend, progress)
-        }
+        (Machine::Cpu, None) => unreachable!("the CPU path has asked for its rows"),
     }
 }
 
-/// What is known before the first step.
-struct Setup<'a> {
-    scene: &'a Scene,
-    options: &'a RunOptions<'a>,
-    survey: &'a Survey,
-    step: &'a Step,
-    plan: &'a Plan,
-    measuring: Duration,
+/// What is known of a run before its first step.
+#[derive(Debug)]
+pub struct Prepared {
+    /// What a walk over all pairs told.
+    pub survey: Survey,
+    /// The step, and what it was judged by.
+    pub step: Step,
+    /// What will run.
+    pub plan: Plan,
+}
+
+/// Surveys the pairs of `problem`, chooses its step and plans its run; with `keep_rows`, the order
+/// of the particles and the assembled rows as well.
+///
+/// # Errors
+/// A step above the stability limit; coincident particles where the kernel has no weight for them.
+pub fn prepare(
+    problem: &Problem,
+    machine: MachineKind,
+    allow_unstable: bool,
+    keep_rows: bool,
+) -> Result<(Prepared, Option<(Vec<u32>, Rows)>), SolverError> {
+    let grid = cell_grid(problem);
+    let (survey, mut rows) = if keep_rows {
+        let (survey, rows) = assemble(problem, &grid);
+        (survey, Some(rows))
+    } else {
+        (survey(problem, &grid), None)
+    };
+    SolverError::check_coincident(problem, &survey)?;
+    let step = choose_step(problem, &survey, allow_unstable, || {
+        let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
+        measure_limit(problem, grid.order(), rows)
+    })?;
+    let plan = Plan::new(problem, machine);
+    let rows = rows.filter(|_| keep_rows).map(|rows| (grid.into_order(), rows));
+    Ok((Prepared { survey, step, plan }, rows))
 }
 
 fn solve<B: Backend>(
-    setup: &Setup<'_>,
+    scene: &Scene,
+    options: &RunOptions<'_>,
+    prepared: &Prepared,
     mut backend: B,
-    progress: &mut dyn FnMut(Progress) -> Wish,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
-    let scene = setup.scene;
-    let schedule = Schedule::new(&scene.problem.time, setup.step.dt);
-    let ready = setup.options.started.elapsed() - setup.measuring;
-    let mut recorder = Recorder::start(scene, setup.options.folder, progress)?;
+    let setup = &Setup { scene, options, prepared };
+    let schedule = Schedule::new(&scene.problem.time, prepared.step.dt);
+    let ready = options.started.elapsed();
+    let mut recorder = Recorder::start(scene, options.folder, progress)?;
     let first_output = recorder.spent;
     let clock = Instant::now();
     let stopped = match advance(&mut backend, &scene.problem, &schedule, &mut recorder) {
@@ -149,15 +168,23 @@ fn solve<B: Backend>(
         )) => Some(error),
         Err(error) => return Err(error),
     };
-    let solving = clock.elapsed() + first_output + setup.measuring - recorder.spent;
+    let solving = clock.elapsed() + first_output - recorder.spent;
     let steps = match &stopped {
         None => schedule.total_steps(),
         Some(error) => error.good_steps(),
     };
-    let measured = Measured { ready, solving, steps, exchange: backend.exchange()? };
-    let memory = backend.memory_bytes();
+    let exchange = backend.exchange()?;
+    let measured =
+        Measured { ready, solving, steps, exchange, memory_bytes: backend.memory_bytes() };
     drop(backend);
-    finish(setup, recorder, &measured, memory, stopped)
+    finish(setup, recorder, &measured, stopped)
+}
+
+/// What a run starts from.
+struct Setup<'a> {
+    scene: &'a Scene,
+    options: &'a RunOptions<'a>,
+    prepared: &'a Prepared,
 }
 
 /// What the run itself told.
@@ -166,6 +193,7 @@ struct Measured {
     solving: Duration,
     steps: u64,
     exchange: f64,
+    memory_bytes: u64,
 }
 
 /// Compares with the exact solution, writes what is left to write and fills the report.
@@ -173,13 +201,11 @@ fn finish(
     setup: &Setup<'_>,
     recorder: Recorder<'_>,
     measured: &Measured,
-    memory_bytes: u64,
     stopped: Option<SolverError>,
 ) -> Result<Outcome, RunError> {
     let clock = Instant::now();
     let exact = recorder.exact();
     let mut report = report(setup, &recorder, exact.as_deref(), measured);
-    report.memory_bytes = memory_bytes;
     if let Some(error) = &stopped {
         report.warnings.push(format!("stopped early: {error}"));
     }
@@ -202,45 +228,45 @@ fn report(
 ) -> RunReport {
     let problem = &setup.scene.problem;
     let volume = &problem.particles.volume;
-    let applications = measured.steps + setup.step.applications;
+    let Prepared { survey, step, plan } = setup.prepared;
     let particles = problem.particles.len() as u64;
+    let magnitude: Vec<f64> = problem.initial.iter().map(|value| value.abs()).collect();
     let solve = measured.solving.as_secs_f64();
     let mut warnings = setup.scene.warnings.clone();
-    warnings.extend(setup.step.warning.clone());
-    warnings.extend(setup.step.lowered(problem));
+    warnings.extend(step.warnings.iter().cloned());
     RunReport {
         report_version: REPORT_VERSION,
         case: setup.scene.name.clone(),
         title: setup.scene.title.clone(),
         diffusph_version: DIFFUSPH_VERSION.to_owned(),
-        backend: setup.plan.machine.backend_name().to_owned(),
+        backend: plan.machine.backend_name().to_owned(),
         adapter: setup.options.machine.adapter().map(str::to_owned),
-        precision: setup.plan.machine.precision().name().to_owned(),
+        precision: plan.machine.precision().name().to_owned(),
         dimension: problem.dimension,
         particles,
-        path: setup.plan.path.name().to_owned(),
+        path: plan.path.name().to_owned(),
         method: problem.time.method.name().to_owned(),
         steps: measured.steps,
-        operator_applications: applications,
-        dt: setup.step.taken(problem),
-        dt_limit: setup.step.limits.stable(),
+        operator_applications: measured.steps + step.applications,
+        dt: step.taken(problem),
+        dt_limit: step.limits.stable(),
         simulated_s: recorder.time,
         wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
-        updates_per_s: (particles * applications) as f64 / solve.max(f64::MIN_POSITIVE),
-        memory_bytes: 0,
+        updates_per_s: (particles * measured.steps) as f64 / solve.max(f64::MIN_POSITIVE),
+        memory_bytes: measured.memory_bytes,
         field: FieldRange::of(&recorder.state),
         conserved: Conserved::new(
             total(&problem.initial, volume),
             total(&recorder.state, volume),
             measured.exchange,
+            total(&magnitude, volume),
         ),
-        density: Range { min: setup.survey.min_density, max: setup.survey.max_density },
+        density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
             ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
         }),
         probes: recorder.probes(),
-        left_out: setup
-            .plan
+        left_out: plan
             .left_out
             .iter()
             .map(|left| LeftOut {

@@ -74,7 +74,8 @@ impl Iterator for Schedule {
         let steps = ((end - self.time) / self.step * (1.0 - SAME_TIME)).ceil().max(1.0);
         let exact = (end - self.time) / steps;
         // The step as given where it fits: (end - time) / steps may differ from it by rounding.
-        let dt = if (exact - self.step).abs() <= SAME_TIME * self.step { self.step } else { exact };
+        let fits = self.step.is_finite() && (exact - self.step).abs() <= SAME_TIME * self.step;
+        let dt = if fits { self.step } else { exact };
         self.time = end;
         Some(Segment { end, dt, steps: steps as u64, output, probe })
     }
@@ -113,7 +114,8 @@ mod tests {
     #[test]
     fn no_duration_has_no_steps_and_an_unlimited_step_has_one() {
         assert_eq!(Schedule::new(&plan(0.0, 1.0, 1.0), 0.1).total_steps(), 0);
-        assert_eq!(Schedule::new(&plan(1.0, 1.0, 1.0), f64::INFINITY).total_steps(), 1);
+        let segments: Vec<_> = Schedule::new(&plan(3.0, 3.0, 3.0), f64::INFINITY).collect();
+        assert_eq!(segments.iter().map(|s| (s.steps, s.dt)).collect::<Vec<_>>(), [(1, 3.0)]);
     }
 
     #[test]

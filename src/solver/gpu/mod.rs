@@ -11,6 +11,7 @@ mod steps;
 
 use std::collections::BTreeSet;
 
+use super::plan::Needs;
 use super::{Backend, Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
@@ -92,8 +93,9 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        let scaling = Scaling::new(problem, dt);
-        let choices = choices(problem, &scaling, options);
+        let needs = Needs::of(problem);
+        let scaling = Scaling::new(problem, dt, needs.coefficients);
+        let choices = choices(problem, needs, options);
         device.require(choices.real())?;
         let particles = &problem.particles;
         let cells = CellLayout::of(problem);
@@ -172,7 +174,7 @@ impl Backend for GpuBackend {
     }
 
     fn rate(&mut self) -> Result<GpuField, SolverError> {
-        let rate = self.steps.rate(&self.device)?;
+        let rate = self.steps.rate(&self.device, &self.choices, &self.list)?;
         self.field(rate, 1.0 / self.reference_step)
     }
 
@@ -230,7 +232,7 @@ impl GpuBackend {
 }
 
 /// What of the shaders a scene uses.
-fn choices(problem: &Problem, scaling: &Scaling, options: GpuOptions) -> Choices {
+fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
     let mut periodic = problem.domain.periodic;
     // Axes past the dimension have no extent, whatever the case says of them.
     periodic[problem.dimension..].fill(false);
@@ -239,8 +241,8 @@ fn choices(problem: &Problem, scaling: &Scaling, options: GpuOptions) -> Choices
         pair_mean: problem.pair_mean,
         dimension: problem.dimension,
         periodic,
-        held: !problem.held.is_empty(),
-        uniform: scaling.ratios.is_none(),
+        held: needs.held,
+        uniform: !needs.coefficients,
         precision: options.precision,
         workgroup_size: options.workgroup_size,
     }

@@ -81,10 +81,7 @@ const fn write(name: &'static str, element: Element) -> Binding {
 impl Choices {
     /// What `real` means in the shaders.
     pub fn real(&self) -> Real {
-        match self.precision {
-            Precision::F32 => Real::F32,
-            Precision::F64 => Real::F64,
-        }
+        self.precision.real()
     }
 
     /// Puts every particle into the cell where its offset points.

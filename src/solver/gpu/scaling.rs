@@ -15,16 +15,15 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    /// The scaling of a run with step `dt` (s).
-    pub(super) fn new(problem: &Problem, dt: f64) -> Self {
+    /// The scaling of a run with step `dt` (s); `by_particle` where particles differ in volume or
+    /// diffusivity.
+    pub(super) fn new(problem: &Problem, dt: f64, by_particle: bool) -> Self {
         let volume = &problem.particles.volume;
         let materials = &problem.particles.material;
         let diffusivity: Vec<f64> =
             materials.iter().map(|&m| problem.materials[usize::from(m)].diffusivity).collect();
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let (volume_ref, diffusivity_ref) = (largest(volume), largest(&diffusivity));
-        let uniform = volume.iter().all(|&v| v == volume_ref)
-            && diffusivity.iter().all(|&d| d == diffusivity_ref);
         let ratio = |(v, d): (&f64, &f64)| [v / volume_ref, d / diffusivity_ref];
         // A run of no duration has no step; its rates are asked for all the same.
         let step = if dt > 0.0 && dt.is_finite() {
@@ -38,7 +37,7 @@ impl Scaling {
         Self {
             step,
             weight: step * rate,
-            ratios: (!uniform).then(|| volume.iter().zip(&diffusivity).map(ratio).collect()),
+            ratios: by_particle.then(|| volume.iter().zip(&diffusivity).map(ratio).collect()),
         }
     }
 }

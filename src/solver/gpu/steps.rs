@@ -22,7 +22,6 @@ pub(super) struct Steps {
     flag: Buffer,
     /// A pass a chunk, by which state it reads.
     step: [Vec<Pass>; 2],
-    rate: [Vec<Pass>; 2],
     finite: [Pass; 2],
     pace: Pace,
 }
@@ -52,21 +51,14 @@ impl Steps {
             buffers.push(&step_size);
             device.pass(&choices.step(), &buffers, chunk.row_count())
         };
-        let rate_of = |chunk: &Chunk, from: usize| {
-            let buffers = list_buffers(list, chunk, &state, from, exchange.as_ref());
-            device.pass(&choices.rate(), &buffers, chunk.row_count())
-        };
         let chunks = || list.chunks.iter();
         let steps_from =
             |from| -> Result<Vec<_>, GpuError> { chunks().map(|c| step_of(c, from)).collect() };
-        let rates_from =
-            |from| -> Result<Vec<_>, GpuError> { chunks().map(|c| rate_of(c, from)).collect() };
         let count = initial.len() as u64;
         let finite_of = |from: usize| device.pass(&choices.finite(), &[&state[from], &flag], count);
         Ok(Self {
             real,
             step: [steps_from(0)?, steps_from(1)?],
-            rate: [rates_from(0)?, rates_from(1)?],
             finite: [finite_of(0)?, finite_of(1)?],
             pace: Pace::new(MOST_DISPATCHES / list.chunks.len().max(1) as u64),
             state,
@@ -113,9 +105,21 @@ impl Steps {
         self.exchange.as_ref()
     }
 
-    /// The rate of change a reference step; it lies where the next step will write.
-    pub(super) fn rate(&self, device: &Device) -> Result<&Buffer, GpuError> {
-        device.submit(&self.rate[self.current])?;
+    /// The rate of change a reference step; it lies where the next step will write. A run of
+    /// explicit steps never asks, so its passes are made here.
+    pub(super) fn rate(
+        &self,
+        device: &Device,
+        choices: &Choices,
+        list: &List,
+    ) -> Result<&Buffer, GpuError> {
+        let pass_of = |chunk: &Chunk| {
+            let exchange = self.exchange.as_ref();
+            let buffers = list_buffers(list, chunk, &self.state, self.current, exchange);
+            device.pass(&choices.rate(), &buffers, chunk.row_count())
+        };
+        let passes = list.chunks.iter().map(pass_of).collect::<Result<Vec<_>, _>>()?;
+        device.submit(&passes)?;
         Ok(&self.state[1 - self.current])
     }
 
