@@ -163,6 +163,46 @@ fn a_run_leaves_its_files_and_its_case_repeats_it() {
 }
 
 #[test]
+fn the_case_of_the_readme_runs_and_is_right() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let readme = include_str!("../README.md");
+    let case = readme.split("```json\n").nth(1).and_then(|rest| rest.split("```").next());
+    fs::write(folder.path().join("spot.json"), case.expect("it shows a case")).expect("written");
+    let found = report(folder.path(), &["spot.json", "--backend", "cpu", "--no-output"]);
+    assert!(number(&found, "/error/l2_relative") < 1e-5, "{}", found["error"]);
+}
+
+#[test]
+fn a_run_does_not_overwrite_the_case_it_reads() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let case = diffusph(folder.path(), &["cases", "density"]).stdout;
+    fs::write(folder.path().join("case.json"), &case).expect("written");
+    let output = diffusph(folder.path(), &["run", "case.json", "--out", "."]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("overwrite its own case"), "{}", text(&output.stderr));
+    assert_eq!(fs::read(folder.path().join("case.json")).expect("still there"), case);
+}
+
+#[test]
+fn scenes_without_pairs_or_without_free_particles_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let one = r#"particles={"spacing":48,"fill":[{"shape":{"box":{"min":[0,0,0],"max":[48,48,48]}},"material":"rock"}]}"#;
+    let held =
+        r#"boundaries=[{"held":{"where":{"sphere":{"center":[24,24,24],"radius":99}},"value":7}}]"#;
+    let base = ["gaussian_small", "--no-output", "--set", "exact=null", "--set", "initial=[]"];
+    let rest = ["--set", "time={\"end\":10}", "--set", "output={}", "--set", "probes=[]"];
+    for backend in ["cpu", "gpu"] {
+        for scene in [one, held] {
+            let flags = [&base[..], &rest, &["--backend", backend, "--set", scene]].concat();
+            let found = report(folder.path(), &flags);
+            assert_eq!(number(&found, "/simulated_s"), 10.0);
+            assert!(found["dt_limit"].is_null(), "nothing limits the step");
+            assert!(number(&found, "/field/max").is_finite());
+        }
+    }
+}
+
+#[test]
 fn the_summary_says_what_a_user_needs() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = diffusph(folder.path(), &["run", "gaussian_small", "--backend", "cpu"]);
@@ -212,6 +252,8 @@ fn bad_flags_are_refused_with_the_flag_or_name() {
     assert!(message.contains("no such thing"), "{message}");
     let message = refusal(2, &["run", "gaussian_small", "--backend", "cpu", "--precision", "f32"]);
     assert!(message.contains("--precision f32"), "{message}");
+    let message = refusal(2, &["run", "gaussian_small", "--backend", "cpu", "--adapter", "llvm"]);
+    assert!(message.contains("--adapter llvm"), "{message}");
     let message = refusal(2, &["run", "gaussian_small", "--backend", "cpu", "--out", "/proc/x"]);
     assert!(message.contains("--out") && message.contains("/proc/x"), "{message}");
 }
