@@ -17,6 +17,9 @@ use crate::model::{
     Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem,
 };
 
+/// The largest support ratio: half a million neighbours in 3-D.
+const WIDEST: f64 = 50.0;
+
 /// How many particles an exact expression is tried at.
 const TRIALS: usize = 1000;
 
@@ -162,21 +165,39 @@ fn kernel(
     let kind = by_name("kernel.name", &case.kernel.name, &KernelKind::ALL, KernelKind::name)?;
     let ratio = evaluator.number(path, &case.kernel.support_ratio)?;
     // At 1 and below no particle of a lattice has a neighbour.
-    in_range(path, ratio, ratio * SUPPORT_MARGIN > 1.0, "above 1")?;
+    let allowed = ratio * SUPPORT_MARGIN > 1.0 && ratio <= WIDEST;
+    in_range(path, ratio, allowed, &format!("above 1 and at most {WIDEST}"))?;
     let support_radius = ratio * spacing;
     let dimension = evaluator.dimension;
-    for axis in (0..dimension).filter(|&axis| domain.periodic[axis]) {
-        let extent = domain.extent()[axis];
-        if 2.0 * support_radius > extent * (1.0 + WHOLE) {
-            let (path, axis) = (path.to_owned(), AXES[axis]);
-            return Err(CaseError::SupportTooWide { path, support_radius, axis, extent });
-        }
-    }
+    check_support(path, support_radius, spacing, dimension, domain)?;
     Kernel::new(kind, dimension, support_radius).ok_or_else(|| CaseError::KernelDimension {
         path: "kernel.name".to_owned(),
         kernel: kind.name(),
         dimension,
     })
+}
+
+/// The support may not be wider than half of the shortest periodic axis.
+fn check_support(
+    path: &str,
+    support_radius: f64,
+    spacing: f64,
+    dimension: usize,
+    domain: &Domain,
+) -> Result<(), CaseError> {
+    let extents = domain.extent();
+    let periodic = (0..dimension).filter(|&axis| domain.periodic[axis]);
+    let Some(axis) = periodic.min_by(|&a, &b| extents[a].total_cmp(&extents[b])) else {
+        return Ok(());
+    };
+    let extent = extents[axis];
+    if 2.0 * support_radius <= extent * (1.0 + WHOLE) {
+        return Ok(());
+    }
+    // A periodic axis is a whole number of spacings.
+    let most = ((extent / spacing).round() / 2.0).min(WIDEST);
+    let (path, axis) = (path.to_owned(), AXES[axis]);
+    Err(CaseError::SupportTooWide { path, support_radius, most, axis, extent })
 }
 
 /// An exact expression must be finite at the end; a sample of the particles shows whether it is.

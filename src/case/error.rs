@@ -144,13 +144,13 @@ pub enum CaseError {
         spacing: f64,
     },
     /// Two fills that share a lattice site.
-    #[error("{second}: overlaps {first} at {point}")]
+    #[error("{second}: overlaps {first}: both contain the lattice site at {point}")]
     Overlap {
         /// The earlier fill's path.
         first: String,
         /// The later fill's path.
         second: String,
-        /// A point of both.
+        /// A site of both.
         point: String,
     },
     /// More particles than an index can name.
@@ -162,6 +162,16 @@ pub enum CaseError {
         limit: u32,
         /// What they would take, GiB.
         gib: f64,
+    },
+    /// Memory that the system does not give.
+    #[error("{path}: no memory for {count} particles ({bytes:.0} bytes)")]
+    OutOfMemory {
+        /// The fill's path.
+        path: String,
+        /// How many particles the fill has.
+        count: usize,
+        /// What they would take, bytes.
+        bytes: f64,
     },
     /// A selection without particles.
     #[error("{path}: selects no particle")]
@@ -198,13 +208,15 @@ pub enum CaseError {
     /// A support wider than half a periodic axis.
     #[error(
         "{path}: the support radius of {support_radius} m is more than half of the periodic axis \
-         {axis} of {extent} m"
+         {axis} of {extent} m; {}", widest(*.most)
     )]
     SupportTooWide {
         /// Path of the support ratio.
         path: String,
         /// Support radius, m.
         support_radius: f64,
+        /// The largest support ratio that fits the axis; at 1 and below none does.
+        most: f64,
         /// Name of the axis.
         axis: &'static str,
         /// Length of the axis, m.
@@ -252,6 +264,13 @@ pub enum CaseError {
 
 fn at(path: &str) -> String {
     if path.is_empty() { String::new() } else { format!("{path}: ") }
+}
+
+fn widest(most: f64) -> String {
+    if most > 1.0 {
+        return format!("the largest support_ratio allowed is {most}");
+    }
+    "no support_ratio fits an axis of at most 2 spacings".to_owned()
 }
 
 fn did_you_mean(nearest: &[String]) -> String {

@@ -111,13 +111,13 @@ pub(super) fn resolve(
         },
         ExactSpec::PointSource { amount, at, diffusivity, porosity } => {
             let (amount, at) = setting.deposit(amount, at)?;
-            let porosity = setting.positive_or("porosity", porosity, 1.0)?;
+            let porosity = setting.porosity(porosity)?;
             let diffusivity = setting.diffusivity(diffusivity)?;
             Solution::PointSource(PointSource { dimension, amount, at, diffusivity, porosity })
         }
         ExactSpec::PointSourceInBox { amount, at, min, max, diffusivity, porosity } => {
             let (amount, at) = setting.deposit(amount, at)?;
-            let porosity = setting.positive_or("porosity", porosity, 1.0)?;
+            let porosity = setting.porosity(porosity)?;
             let walls = setting.walls(min, max, diffusivity)?;
             Solution::PointSourceInBox(PointSourceInBox { walls, amount, at, porosity })
         }

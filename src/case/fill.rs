@@ -1,5 +1,6 @@
 //! Fills shapes with particles on one lattice.
 
+use std::collections::TryReserveError;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -7,7 +8,7 @@ use glam::DVec3;
 use super::error::CaseError;
 use super::number::show;
 use super::shape::Shape;
-use crate::model::Particles;
+use crate::model::{Domain, Particles};
 
 /// Particles sit on a shape's surface up to this fraction of the spacing.
 pub(super) const TOLERANCE: f64 = 1e-9;
@@ -38,16 +39,21 @@ pub(super) struct Lattice {
     pub(super) spacing: f64,
     /// 1, 2 or 3.
     pub(super) dimension: usize,
+    /// The box around every fill; on its periodic axes its upper edge is its lower one.
+    pub(super) domain: Domain,
 }
 
 impl Lattice {
     /// The particles of the fills, in their order; in each x runs fastest, then y, then z.
     pub(super) fn fill(&self, fills: &[Fill]) -> Result<Particles, CaseError> {
         self.check_count(fills)?;
+        let volume = self.spacing.powi(self.dimension as i32);
         let mut particles = Particles::default();
         for (index, fill) in fills.iter().enumerate() {
             let before = particles.len();
-            self.reserve(&mut particles, fill);
+            let mut count = 0;
+            self.for_each_site(fill, |_| count += 1);
+            reserve(&mut particles, fill, count)?;
             self.for_each_site(fill, |x| {
                 particles.position.push(x);
             });
@@ -57,9 +63,8 @@ impl Lattice {
             }
             self.check_overlap(&particles.position[before..], fill, &fills[..index])?;
             particles.material.resize(particles.len(), fill.material);
+            particles.volume.resize(particles.len(), volume);
         }
-        let volume = self.spacing.powi(self.dimension as i32);
-        particles.volume = vec![volume; particles.len()];
         Ok(particles)
     }
 
@@ -67,7 +72,9 @@ impl Lattice {
     fn check_count(&self, fills: &[Fill]) -> Result<(), CaseError> {
         let sites = |fill: &Fill| {
             let extent = (fill.bounds.1 - fill.bounds.0) / self.spacing;
-            extent.to_array()[..self.dimension].iter().map(|n| n.round()).product::<f64>()
+            // An axis thinner than half a spacing may still hold a layer of sites.
+            let layers = |n: &f64| n.round().max(1.0);
+            extent.to_array()[..self.dimension].iter().map(layers).product::<f64>()
         };
         let count: f64 = fills.iter().map(sites).sum();
         if count <= f64::from(MOST) {
@@ -77,26 +84,26 @@ impl Lattice {
         Err(CaseError::TooManyParticles { count, limit: MOST, gib })
     }
 
-    /// Makes room for exactly the fill's particles: growing by doubling could take twice as much.
-    fn reserve(&self, particles: &mut Particles, fill: &Fill) {
-        let mut count = 0;
-        self.for_each_site(fill, |_| count += 1);
-        particles.position.reserve_exact(count);
-        particles.material.reserve_exact(count);
-    }
-
     fn for_each_site(&self, fill: &Fill, mut visit: impl FnMut(DVec3)) {
         let [along_x, along_y, along_z] = [0, 1, 2].map(|axis| self.range(fill, axis));
         for z in along_z {
             for y in along_y.clone() {
                 for x in along_x.clone() {
                     let site = self.site([x, y, z]);
-                    if fill.shape.contains(site, TOLERANCE * self.spacing) {
+                    let inside = fill.shape.contains(site, TOLERANCE * self.spacing);
+                    if inside && !self.repeats(site) {
                         visit(site);
                     }
                 }
             }
         }
+    }
+
+    /// Whether the site lies on the upper edge of a periodic axis, or past it: it is the image of
+    /// one at the lower edge.
+    fn repeats(&self, site: DVec3) -> bool {
+        let edge = self.domain.max - TOLERANCE * self.spacing;
+        (0..self.dimension).any(|axis| self.domain.periodic[axis] && site[axis] >= edge[axis])
     }
 
     /// Indices along an axis that cover the fill, one to spare at either end for rounding.
@@ -135,5 +142,39 @@ impl Lattice {
             }
         }
         Ok(())
+    }
+}
+
+/// Makes room for exactly the fill's `count` particles: growing by doubling could take twice as
+/// much.
+fn reserve(particles: &mut Particles, fill: &Fill, count: usize) -> Result<(), CaseError> {
+    make_room(particles, count).map_err(|_| CaseError::OutOfMemory {
+        path: fill.path.clone(),
+        count,
+        bytes: count as f64 * BYTES,
+    })
+}
+
+fn make_room(particles: &mut Particles, count: usize) -> Result<(), TryReserveError> {
+    particles.position.try_reserve_exact(count)?;
+    particles.material.try_reserve_exact(count)?;
+    particles.volume.try_reserve_exact(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_that_is_not_there_is_an_error() {
+        let bounds = (DVec3::ZERO, DVec3::ONE);
+        let shape = Shape::Box { min: bounds.0, max: bounds.1 };
+        let fill = Fill { path: "particles.fill[0]".to_owned(), shape, bounds, material: 0 };
+        let mut particles = Particles::default();
+        let error = reserve(&mut particles, &fill, usize::MAX / 1000).expect_err("no memory");
+        let text = error.to_string();
+        let expected = "particles.fill[0]: no memory for 18446744073709551 particles (774763251";
+        assert!(text.starts_with(expected) && text.ends_with(" bytes)"), "{text}");
+        assert!(reserve(&mut particles, &fill, 3).is_ok());
     }
 }

@@ -30,7 +30,7 @@ pub(super) fn particles(
     let periodic = periodic(&case.boundaries, evaluator.dimension)?;
     let domain = Domain { min, max, periodic };
     check_whole(case, evaluator.dimension, spacing, &domain, &fills, warnings)?;
-    let lattice = Lattice { origin, spacing, dimension: evaluator.dimension };
+    let lattice = Lattice { origin, spacing, dimension: evaluator.dimension, domain };
     let particles = lattice.fill(&fills)?;
     Ok((domain, particles))
 }

@@ -12,6 +12,18 @@ use super::unused::is_zero;
 use crate::model::integrator::Method;
 use crate::model::{Domain, Probe, StepChoice, TimePlan};
 
+/// Relative error that a count of intervals may have.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The most outputs of the fields.
+const MOST_OUTPUTS: f64 = 1e5;
+
+/// The most records of the probes.
+const MOST_PROBE_OUTPUTS: f64 = 1e7;
+
+/// The most steps: f64 counts exactly up to 9e15.
+const MOST_STEPS: f64 = 1e15;
+
 /// Duration, step, method and output times.
 pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseError> {
     let end = evaluator.not_negative("time.end", &case.time.end)?;
@@ -20,17 +32,37 @@ pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseE
         Some(number) => {
             let step = evaluator.positive("time.step", number)?;
             let requirement = format!("at most time.end, {end}");
-            StepChoice::Given(in_range("time.step", step, step <= end, &requirement)?)
+            in_range("time.step", step, step <= end, &requirement)?;
+            StepChoice::Given(not_too_often("time.step", step, end, MOST_STEPS, "steps")?)
         }
     };
     let method = by_name("time.method", &case.time.method, &Method::ALL, Method::name)?;
-    let every = |key: &str, number: &Option<Number>, default: f64| match number {
+    let every = |path: &str, number: &Option<Number>, default: f64, most: f64| match number {
         None => Ok(default),
-        Some(number) => evaluator.positive(&format!("output.{key}"), number),
+        Some(number) => {
+            not_too_often(path, evaluator.positive(path, number)?, end, most, "outputs")
+        }
     };
-    let output_every = every("every", &case.output.every, end)?;
-    let probe_every = every("probe_every", &case.output.probe_every, output_every)?;
+    let output = &case.output;
+    let output_every = every("output.every", &output.every, end, MOST_OUTPUTS)?;
+    let path = "output.probe_every";
+    let probe_every = every(path, &output.probe_every, output_every, MOST_PROBE_OUTPUTS)?;
     Ok(TimePlan { end, step, method, output_every, probe_every })
+}
+
+/// `interval` (s) if at most `most` of it fit into the time up to the end.
+fn not_too_often(
+    path: &str,
+    interval: f64,
+    end: f64,
+    most: f64,
+    what: &str,
+) -> Result<f64, CaseError> {
+    let count = end / interval;
+    let least = end / most;
+    let requirement =
+        format!("at least {least} (there would be {count:.3e} {what}, at most {most} are allowed)");
+    in_range(path, interval, count <= most * (1.0 + ROUND_OFF), &requirement)
 }
 
 /// The probes: inside the domain, no name twice.

@@ -3,6 +3,7 @@
 mod bad;
 mod expression;
 mod good;
+mod limits;
 mod shape;
 mod shipped;
 

@@ -34,7 +34,7 @@ impl PointSource {
     }
 }
 
-/// The value of a point mass at t = 0: 0 away from it, infinite at it.
+/// The value of a point mass at t = 0: 0 away from it, infinite at it unless the amount is 0.
 pub(super) fn at_start(at_the_mass: bool, amount: f64) -> f64 {
-    if at_the_mass { amount * f64::INFINITY } else { 0.0 }
+    if at_the_mass && amount != 0.0 { amount * f64::INFINITY } else { 0.0 }
 }

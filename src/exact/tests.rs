@@ -200,6 +200,18 @@ fn ends_of_time_and_space() {
 }
 
 #[test]
+fn an_amount_of_zero_is_zero_everywhere() {
+    let at = DVec3::new(0.3, 0.6, 0.5);
+    let free = PointSource { dimension: 3, amount: 0.0, at, diffusivity: 0.3, porosity: 0.7 };
+    let boxed = PointSourceInBox { walls: walls(3), amount: 0.0, at, porosity: 0.7 };
+    let masses = MassesInBox { walls: walls(3), amount: 0.0, at, separation: 0.2 };
+    for t in [0.0, 0.1] {
+        assert_eq!((free.at(at, t), boxed.at(at, t)), (0.0, 0.0));
+        assert_eq!(masses.at(at + DVec3::splat(0.5 * 0.2), t), 0.0);
+    }
+}
+
+#[test]
 fn evaluate_is_at_of_every_position() {
     let field = ScalarField::new("x*t", |x, t| x.x * t);
     let affine = Solution::Affine { offset: 1.0, gradient: DVec3::new(2.0, 0.0, 3.0) };

@@ -43,6 +43,13 @@ impl Setting<'_> {
         number.as_ref().map_or(Ok(default), |number| self.evaluator.positive(&path, number))
     }
 
+    /// The share of the volume that takes up the substance, 1 where absent.
+    pub(super) fn porosity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
+        let porosity = self.number_or("porosity", number, 1.0)?;
+        let allowed = porosity > 0.0 && porosity <= 1.0;
+        in_range("exact.porosity", porosity, allowed, "above 0 and at most 1")
+    }
+
     pub(super) fn axis(&self, axis: Axis) -> Result<usize, CaseError> {
         axis_index(axis, "exact.axis", self.evaluator.dimension)
     }

@@ -183,7 +183,11 @@ fn overlapping_fills_and_particles_held_twice() {
         "material": "rock" });
     case["particles"]["fill"].as_array_mut().expect("list").push(second);
     let error = from_json("base", case, &[]).expect_err("overlap").to_string();
-    assert_eq!(error, "particles.fill[1]: overlaps particles.fill[0] at [3.75, 0.25]");
+    assert_eq!(
+        error,
+        "particles.fill[1]: overlaps particles.fill[0]: both contain the lattice site at \
+         [3.75, 0.25]"
+    );
     let mut case = base();
     let second = json!({ "held": { "where": { "box": { "min": [0, 0], "max": [4, 0.5] } },
         "value": 3 } });
