@@ -1,7 +1,7 @@
 //! The whole solver against exact solutions, with the order of accuracy asserted.
 //!
-//! Every case goes the way of a user's: JSON, scene, plan, CPU path, report. The error is taken from
-//! the report, and its order is the least-squares slope over at least four resolutions.
+//! Every case goes the way of a user's: JSON, scene, plan, CPU path, report. The error is taken
+//! from the report, and its order is the least-squares slope over at least four resolutions.
 
 use std::time::Instant;
 
