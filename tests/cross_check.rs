@@ -1,26 +1,20 @@
 //! The CPU path against the GPU, through types that cannot be mixed up.
 
-use std::sync::OnceLock;
-
 use diffusph::case::{self, Override, Scene};
-use diffusph::gpu::{self, Device};
-use diffusph::model::Problem;
 use diffusph::model::operator::rows::{assemble, cell_grid, survey};
+use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::cpu::{CpuBackend, CpuField};
 use diffusph::solver::gpu::{GpuBackend, GpuField};
 use diffusph::solver::{Backend, Precision};
 
+use support::{brute_force, device, random_lattice};
+
+#[expect(dead_code, reason = "the tests of the passes use the rest")]
+#[path = "gpu_passes/support.rs"]
+mod support;
+
 /// Steps of a comparison.
 const STEPS: u64 = 50;
-
-/// The device that all tests of this process share. These tests fail without an adapter.
-fn device() -> &'static Device {
-    static DEVICE: OnceLock<Device> = OnceLock::new();
-    DEVICE.get_or_init(|| {
-        let adapter = gpu::choose(None, true).expect("these tests need an adapter");
-        Device::open(&adapter.expect("a software one will do")).expect("the adapter opens")
-    })
-}
 
 fn epsilon(precision: Precision) -> f64 {
     match precision {
@@ -70,6 +64,66 @@ fn tolerance(problem: &Problem, precision: Precision) -> f64 {
     let grid = cell_grid(problem);
     let most = survey(problem, &grid).most_neighbors;
     0.5 * epsilon(precision) * (34.0 + most as f64) * STEPS as f64
+}
+
+/// How many rates differ by more than the roundings of both sides explain.
+fn rates_apart(cpu: &CpuField, gpu: &GpuField, allowed: &[f64]) -> usize {
+    let (cpu, gpu) = (cpu.as_ref(), gpu.as_ref());
+    assert!(cpu.len() == allowed.len() && gpu.len() == allowed.len());
+    let apart = |&((a, b), allowed): &((&f64, &f64), &f64)| {
+        let off = (a - b).abs();
+        off > *allowed || off.is_nan()
+    };
+    cpu.iter().zip(gpu).zip(allowed).filter(apart).count()
+}
+
+/// What roundings in f64 on one side and in `precision` on the other allow each rate of `problem`.
+fn rate_tolerance(problem: &Problem, precision: Precision) -> Vec<f64> {
+    // Tolerances are proportional to epsilon.
+    let both = f64::EPSILON + epsilon(precision);
+    brute_force(problem, both).into_iter().map(|(_, tolerance)| tolerance).collect()
+}
+
+/// [`rates_apart`] with `on_cpu` on one side and `on_gpu` on the other.
+fn compare_rates(on_cpu: &Problem, on_gpu: &Problem, precision: Precision) -> usize {
+    let mut backend = GpuBackend::new(on_gpu, 1e-3, device(), precision).expect("backend");
+    let (rate, on_device) = (cpu(on_cpu).rate().expect("rate"), backend.rate().expect("rate"));
+    rates_apart(&rate, &on_device, &rate_tolerance(on_cpu, precision))
+}
+
+/// A jittered lattice with random values, volumes and diffusivities of contrast 1e3.
+fn jittered(kernel: KernelKind, dimension: usize) -> Problem {
+    random_lattice(kernel, dimension, [33, 9, 6][dimension - 1])
+}
+
+#[test]
+fn rates_agree_in_every_kernel_dimension_mean_and_precision() {
+    for kernel in KernelKind::ALL {
+        for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+            for pair_mean in PairMean::ALL {
+                let problem = Problem { pair_mean, ..jittered(kernel, dimension) };
+                for precision in Precision::ALL {
+                    let apart = compare_rates(&problem, &problem, precision);
+                    assert_eq!(apart, 0, "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cross_check_of_rates_notices_one_volume_and_the_other_mean() {
+    for precision in Precision::ALL {
+        let problem = jittered(KernelKind::WendlandC4, 2);
+        let mut volume = problem.clone();
+        volume.particles.volume[40] *= 1.01;
+        assert!(compare_rates(&problem, &volume, precision) > 0, "{precision:?}");
+        let [one, other] = PairMean::ALL;
+        let swapped = if problem.pair_mean == one { other } else { one };
+        let mean = Problem { pair_mean: swapped, ..problem.clone() };
+        let most = problem.particles.len();
+        assert!(compare_rates(&problem, &mean, precision) > most / 2, "{precision:?}");
+    }
 }
 
 #[test]

@@ -1,36 +1,8 @@
-use diffusph::model::operator::PairWeight;
 use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::gpu::GpuBackend;
 use diffusph::solver::{Backend, Precision};
 
-use crate::support::{device, random_lattice};
-
-/// Roundings of a term at most, each worth one epsilon of the term: pair mean 6, volume and scale
-/// 2, field difference 1, and 16 of the kernel, which rounding of the offsets moves as well.
-const ROUNDINGS_OF_A_TERM: f64 = 32.0;
-
-/// The rate of every particle in f64, and the tolerance of its sum.
-fn brute_force(problem: &Problem, epsilon: f64) -> Vec<(f64, f64)> {
-    let weight = PairWeight::new(problem);
-    let position = &problem.particles.position;
-    let count = position.len();
-    let of = |a: usize| {
-        let (mut sum, mut terms, mut neighbors) = (0.0, 0.0, 0);
-        for b in (0..count).filter(|&b| b != a) {
-            let dist = problem.domain.nearest_image(position[a] - position[b]).length();
-            if dist < problem.kernel.cutoff() {
-                let term = weight.of(a, b, dist) * (problem.initial[b] - problem.initial[a]);
-                sum += term;
-                // The fields themselves are rounded to the precision of the device.
-                terms += term.abs() + weight.of(a, b, dist) * problem.initial[a].abs();
-                neighbors += 1;
-            }
-        }
-        let roundings = ROUNDINGS_OF_A_TERM + f64::from(neighbors);
-        (sum, roundings * epsilon * terms)
-    };
-    (0..count).map(of).collect()
-}
+use crate::support::{brute_force, device, random_lattice};
 
 /// How many rates are off by more than roundings explain.
 fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {

@@ -31,6 +31,17 @@ fn scan_equals_running_sums_over_several_levels() {
     }
 }
 
+/// Adding the sums of blocks back takes one invocation an element, in workgroups of 256: a dispatch
+/// along one dimension would end at element 65 535 x 256, and the elements past it would keep the
+/// sums of their own block.
+#[test]
+fn a_dispatch_past_65535_workgroups_reaches_every_element() {
+    let count = 65_536 * 256 + 100;
+    let sums = scanned(&vec![1; count]);
+    assert_eq!(sums.len(), count);
+    assert_eq!((0..).zip(&sums).find(|(expected, sum)| expected != *sum), None);
+}
+
 #[test]
 fn scan_check_notices_one_wrong_value() {
     let values = vec![1; 5000];
