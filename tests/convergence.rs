@@ -3,13 +3,14 @@
 //! Every case goes the way of a user's: JSON, scene, plan, CPU path, report. The error is taken
 //! from the report, and its order is the least-squares slope over at least four resolutions.
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::lattice::effective_diffusivity_ratio;
 use diffusph::report::observed_order;
 use diffusph::report::run::ErrorReport;
-use diffusph::solver::{Machine, Wish};
+use diffusph::solver::Machine;
 use diffusph::study::{self, RunOptions};
 use serde_json::json;
 
@@ -32,7 +33,7 @@ fn error_of(scene: &Scene) -> ErrorReport {
         folder: None,
         started: Instant::now(),
     };
-    let outcome = study::run(scene, &options, &mut |_| Wish::Continue).expect("it runs");
+    let outcome = study::run(scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert!(outcome.stopped.is_none());
     assert!(outcome.report.conserved.relative_drift.abs() < 1e-12);
     outcome.report.error.expect("the case has an exact solution")

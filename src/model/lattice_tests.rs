@@ -1,3 +1,5 @@
+use approx::assert_abs_diff_eq;
+
 use super::*;
 use crate::model::KernelKind::{
     self, CubicSpline, Lucy, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
@@ -10,9 +12,9 @@ fn ratio(kind: KernelKind, dimension: usize, support_ratio: f64) -> f64 {
 
 #[test]
 fn effective_diffusivity_has_the_published_values() {
-    assert!((ratio(CubicSpline, 3, 2.0) - 1.020_041_673_8).abs() < 5e-11);
-    assert!((ratio(CubicSpline, 2, 2.0) - 1.01310).abs() < 5e-6);
-    assert!((ratio(CubicSpline, 1, 2.0) - 1.0).abs() < 1e-15);
+    assert_abs_diff_eq!(ratio(CubicSpline, 3, 2.0), 1.020_041_673_8, epsilon = 5e-11);
+    assert_abs_diff_eq!(ratio(CubicSpline, 2, 2.0), 1.01310, epsilon = 5e-6);
+    assert_abs_diff_eq!(ratio(CubicSpline, 1, 2.0), 1.0, epsilon = 1e-15);
     let table = [
         (CubicSpline, [0.98169, 0.99348, 1.01012, 0.99995]),
         (QuinticSpline, [0.98534, 0.99726, 1.00100, 1.00015]),
@@ -35,5 +37,5 @@ fn it_does_not_change_under_refinement() {
     let fine = Kernel::new(CubicSpline, 3, 0.02).expect("defined");
     let change =
         effective_diffusivity_ratio(&coarse, 1.0) - effective_diffusivity_ratio(&fine, 0.01);
-    assert!(change.abs() < 1e-14);
+    assert_abs_diff_eq!(change, 0.0, epsilon = 1e-14);
 }

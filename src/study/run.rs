@@ -101,7 +101,7 @@ pub fn run(
             let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
             solve(scene, options, &prepared, backend, progress)
         }
-        (Machine::Cpu, Some((order, rows))) => {
+        (Machine::Cpu, Some(Assembled { order, rows })) => {
             let backend = CpuBackend::new(problem, order, rows);
             solve(scene, options, &prepared, backend, progress)
         }
@@ -120,8 +120,17 @@ pub struct Prepared {
     pub plan: Plan,
 }
 
-/// Surveys the pairs of `problem`, chooses its step and plans its run; with `keep_rows`, the order
-/// of the particles and the assembled rows as well.
+/// The matrix of a scene.
+#[derive(Debug)]
+pub struct Assembled {
+    /// The particle at each rank.
+    pub order: Vec<u32>,
+    /// The rows, by rank.
+    pub rows: Rows,
+}
+
+/// Surveys the pairs of `problem`, chooses its step and plans its run; with `keep_rows`, the matrix
+/// as well.
 ///
 /// # Errors
 /// A step above the stability limit; coincident particles where the kernel has no weight for them.
@@ -130,7 +139,7 @@ pub fn prepare(
     machine: MachineKind,
     allow_unstable: bool,
     keep_rows: bool,
-) -> Result<(Prepared, Option<(Vec<u32>, Rows)>), SolverError> {
+) -> Result<(Prepared, Option<Assembled>), SolverError> {
     let grid = cell_grid(problem);
     let (survey, mut rows) = if keep_rows {
         let (survey, rows) = assemble(problem, &grid);
@@ -144,7 +153,7 @@ pub fn prepare(
         measure_limit(problem, grid.order(), rows)
     })?;
     let plan = Plan::new(problem, machine);
-    let rows = rows.filter(|_| keep_rows).map(|rows| (grid.into_order(), rows));
+    let rows = rows.filter(|_| keep_rows).map(|rows| Assembled { order: grid.into_order(), rows });
     Ok((Prepared { survey, step, plan }, rows))
 }
 

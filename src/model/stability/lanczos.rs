@@ -113,9 +113,9 @@ fn largest_ritz(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, f64) {
     }
     // The eigenvector by the three-term recurrence, scaled as it goes so that it stays finite.
     let (mut before, mut here, mut squares) = (0.0_f64, 1.0_f64, 1.0_f64);
-    for i in 0..diagonal.len() - 1 {
+    for (i, alpha) in diagonal[..diagonal.len() - 1].iter().enumerate() {
         let back = if i > 0 { beta(i - 1) * before } else { 0.0 };
-        let next = ((high - diagonal[i]) * here - back) / beta(i);
+        let next = ((high - alpha) * here - back) / beta(i);
         (before, here) = (here, next);
         squares += next * next;
         if squares > 1e200 {
