@@ -87,7 +87,7 @@ pub(super) struct FillSpec {
 pub(super) struct KernelSpec {
     #[schemars(schema_with = "kernel_names")]
     pub(super) name: String,
-    /// Support radius over spacing, above 1.
+    /// Support radius over spacing, above 1 and at most 50.
     pub(super) support_ratio: Number,
 }
 

@@ -184,7 +184,8 @@ mod tests {
     fn removes_own_stale_files_and_nothing_else() {
         let root = tempfile::tempdir().unwrap();
         let own = ["particles_0000.vtu", "particles_12345.vtu", "report.json", "series.pvd.part"];
-        let other = ["notes.txt", "particles_1.vtu", "particles_best.vtu", "report.json.bak"];
+        let other =
+            ["case.json", "notes.txt", "particles_1.vtu", "particles_best.vtu", "report.json.bak"];
         for name in own.iter().chain(&other).chain(&OWN_FILES) {
             fs::write(root.path().join(name), "x").unwrap();
         }
@@ -193,7 +194,7 @@ mod tests {
         assert_eq!(names(root.path()).len(), 13, "nothing goes before the caller asks");
         folder.remove_stale().unwrap();
         let mut left = other.to_vec();
-        left.insert(1, "particles_0007.vtu");
+        left.insert(2, "particles_0007.vtu");
         assert_eq!(names(root.path()), left);
     }
 

@@ -168,7 +168,7 @@ impl Panel<'_> {
             .margin_right(28 * FINE)
             .margin_bottom(8 * FINE)
             .margin_top(8 * FINE)
-            .set_label_area_size(LabelAreaPosition::Left, 84 * FINE)
+            .set_label_area_size(LabelAreaPosition::Left, 100 * FINE)
             .set_label_area_size(LabelAreaPosition::Bottom, self.bottom() * FINE);
         if let Some(caption) = &self.caption {
             builder.caption(caption, font(13.0));

@@ -10,6 +10,7 @@ use crate::case::Scene;
 use crate::model::Problem;
 use crate::model::integrator::Schedule;
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey};
+use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
     RunReport, WallTimes,
@@ -303,6 +304,6 @@ fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Opt
         let on_row = |x: f64| DVec3::new(x, row.through.y, row.through.z);
         x.map(|x| (x, solution.at(on_row(x), recorder.time))).unzip()
     });
-    let title = format!("{}, t = {:.6e} s", scene.title, recorder.time);
+    let title = format!("{}, t = {}", scene.title, simulated_time(recorder.time));
     Some(Profile { title, exact_curve, ..row })
 }
