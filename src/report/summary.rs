@@ -7,6 +7,8 @@ use super::run::{ErrorReport, ProbeReport, RunReport};
 
 /// Digits of measured and physical quantities.
 const DIGITS: usize = 4;
+/// Significant digits of values and totals.
+const VALUE_DIGITS: usize = 10;
 /// Probes that are listed; the rest is in the files.
 const MOST_PROBES: usize = 8;
 
@@ -26,6 +28,11 @@ fn line(f: &mut fmt::Formatter<'_>, name: &str, text: impl Display) -> fmt::Resu
 
 fn short(number: f64) -> String {
     significant(number, DIGITS)
+}
+
+/// A value of the field: long runs differ from their exact solution in the seventh digit.
+fn value(number: f64) -> String {
+    significant(number, VALUE_DIGITS)
 }
 
 impl Display for Summary<'_> {
@@ -54,6 +61,9 @@ impl Summary<'_> {
         let applications = grouped(r.operator_applications);
         line(f, "method", format!("{}, {applications} operator applications", r.method))?;
         line(f, "time", simulated_time(r.simulated_s))?;
+        if r.steps == 0 {
+            return Ok(());
+        }
         line(f, "step", format!("{} steps of {} s", grouped(r.steps), significant(r.dt, 6)))?;
         if r.dt_limit.is_finite() {
             line(f, "", self.margin())?;
@@ -76,21 +86,25 @@ impl Summary<'_> {
         let [setup, solve, output] =
             [r.wall_s.setup, r.wall_s.solve, r.wall_s.output].map(wall_time);
         line(f, "wall time", format!("setup {setup}, solve {solve}, output {output}"))?;
-        let rate = significant(r.updates_per_s, 3);
-        line(f, "speed", format!("{rate} particle updates/s"))?;
+        if r.steps > 0 {
+            let rate = significant(r.updates_per_s, 3);
+            line(f, "speed", format!("{rate} particle updates/s"))?;
+        }
         let each = significant(r.memory_bytes as f64 / r.particles as f64, 3);
         line(f, "memory", format!("{} ({each} bytes a particle)", bytes(r.memory_bytes)))
     }
 
     fn field(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (field, density, total) = (&self.0.field, &self.0.density, &self.0.conserved);
-        let [min, max, mean] = [field.min, field.max, field.mean].map(short);
+        let [min, max, mean] = [field.min, field.max, field.mean].map(value);
         line(f, "field", format!("{min} to {max}, mean {mean}"))?;
         let [min, max] = [density.min, density.max].map(|x| significant(x, 6));
-        line(f, "density", format!("{min} to {max} kg/m3"))?;
-        let [initial, last] = [total.initial, total.last].map(|x| significant(x, 10));
+        let unit = ["kg/m", "kg/m2", "kg/m3"][self.0.dimension.clamp(1, 3) - 1];
+        line(f, "density", format!("{min} to {max} {unit}"))?;
+        let [initial, last, exchange] =
+            [total.initial, total.last, total.boundary_exchange].map(value);
         line(f, "total", format!("{initial} at first, {last} at last"))?;
-        let [exchange, drift] = [total.boundary_exchange, total.relative_drift].map(short);
+        let drift = short(total.relative_drift);
         line(f, "", format!("boundary exchange {exchange}, relative drift {drift}"))
     }
 
@@ -118,9 +132,9 @@ fn error_lines(f: &mut fmt::Formatter<'_>, error: &ErrorReport) -> fmt::Result {
 
 fn probe_lines(f: &mut fmt::Formatter<'_>, probes: &[ProbeReport]) -> fmt::Result {
     for (i, probe) in probes.iter().take(MOST_PROBES).enumerate() {
-        let exact = probe.exact.map_or_else(String::new, |x| format!("  exact {}", short(x)));
+        let exact = probe.exact.map_or_else(String::new, |x| format!("  exact {}", value(x)));
         let name = if i == 0 { "probes" } else { "" };
-        line(f, name, format!("{:<12}{}{exact}", probe.name, short(probe.value)))?;
+        line(f, name, format!("{:<12}{}{exact}", probe.name, value(probe.value)))?;
     }
     if probes.len() > MOST_PROBES {
         line(f, "", format!("and {} more, in probes.csv", probes.len() - MOST_PROBES))?;
