@@ -6,7 +6,7 @@
 //!
 //! | module | what it holds | may use |
 //! |---|---|---|
-//! | [`cli`] | one file a subcommand | everything |
+//! | [`cli`] | one file a subcommand | everything but `exact` |
 //! | [`study`] | drivers: one run of a scene with its report, sweeps | `case solver exact report model` |
 //! | [`case`] | case file, expressions, shapes: JSON to a [`model::Problem`] | `exact model` |
 //! | [`solver`] | plan, backend trait, CPU and GPU backends, the time loop | `gpu model` |

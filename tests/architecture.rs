@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// What each module may name of the crate; see the table in `src/lib.rs`.
 const MAY_USE: [(&str, &[&str]); 8] = [
-    ("cli", &["study", "case", "solver", "report", "exact", "gpu", "model"]),
+    ("cli", &["study", "case", "solver", "report", "gpu", "model"]),
     ("study", &["case", "solver", "exact", "report", "model"]),
     ("case", &["exact", "model"]),
     ("solver", &["gpu", "model"]),

@@ -8,7 +8,6 @@
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::lattice::effective_diffusivity_ratio;
@@ -27,12 +26,7 @@ fn load(name: &str, set: &[&str]) -> Scene {
 }
 
 fn solve(scene: &Scene) -> Vec<f64> {
-    let options = RunOptions {
-        machine: &Machine::Cpu,
-        allow_unstable: false,
-        folder: None,
-        started: Instant::now(),
-    };
+    let options = RunOptions::new(&Machine::Cpu);
     let outcome = study::run(scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!(outcome.report.steps, STEPS);
     assert!(outcome.report.conserved.relative_drift.abs() < 1e-12);

@@ -4,7 +4,6 @@
 //! from the report, and its order is the least-squares slope over at least four resolutions.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::lattice::effective_diffusivity_ratio;
@@ -27,12 +26,7 @@ const KERNELS: [(&str, f64); 2] = [("cubic_spline", 2.0), ("wendland_c4", 3.0)];
 
 /// What the exact solution says of the error of the state at the end.
 fn error_of(scene: &Scene) -> ErrorReport {
-    let options = RunOptions {
-        machine: &Machine::Cpu,
-        allow_unstable: false,
-        folder: None,
-        started: Instant::now(),
-    };
+    let options = RunOptions::new(&Machine::Cpu);
     let outcome = study::run(scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert!(outcome.stopped.is_none());
     assert!(outcome.report.conserved.relative_drift.abs() < 1e-12);

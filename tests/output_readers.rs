@@ -125,3 +125,22 @@ fn one_particle_and_fewer_dimensions_are_read_too() {
         assert!(found == wanted, "{count} particles in {dimension}-D");
     }
 }
+
+#[test]
+fn what_the_command_writes_is_read_alike_by_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = Command::new(env!("CARGO_BIN_EXE_diffusph"))
+        .args(["run", "gaussian_small", "--backend", "cpu", "--json", "--out"])
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let report: Value = serde_json::from_slice(&ran.stdout).unwrap();
+    let found = read(folder.path());
+    assert_eq!(found["times"], json!(bits([0.0, 63_072_000.0])));
+    assert!(found["pyvista"] == found["meshio"], "the readers differ");
+    // The probe sits on a particle, so its value is one of the field's.
+    let probe = bits([report["probes"][0]["value"].as_f64().unwrap()]);
+    let last = &found["pyvista"][1]["fields"]["value"];
+    assert!(last.as_array().unwrap().contains(&json!(probe[0])), "the probe's value is missing");
+}

@@ -39,6 +39,13 @@ pub struct RunOptions<'a> {
     pub started: Instant,
 }
 
+impl<'a> RunOptions<'a> {
+    /// A run on `machine` that starts now, writes no files and refuses an unstable step.
+    pub fn new(machine: &'a Machine) -> Self {
+        Self { machine, allow_unstable: false, folder: None, started: Instant::now() }
+    }
+}
+
 /// What came of a run.
 #[derive(Debug)]
 pub struct Outcome {
