@@ -7,8 +7,10 @@ cd "$(dirname "$0")/.."
 
 as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 has_vulkan() {
-    ldconfig -p | grep -q libvulkan.so.1 &&
-        ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null | grep -q .
+    # No `grep -q`: it would close the pipe early, and pipefail would take that for a failure.
+    ldconfig -p | grep libvulkan.so.1 >/dev/null || return 1
+    compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null ||
+        compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null
 }
 
 if [ "$(uname)" = Linux ] && ! has_vulkan; then
