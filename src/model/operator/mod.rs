@@ -5,6 +5,7 @@
 //! lattice's Deff / D for the moment-corrected one.
 
 mod pair_mean;
+mod row_block;
 pub mod rows;
 mod weight;
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::PairWeight;
+use super::row_block::RowBlock;
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
 use crate::model::{Problem, lattice};
 
@@ -44,16 +45,6 @@ pub struct Rows {
     /// Ranks of the held particles, ascending.
     held_rank: Vec<u32>,
     count: usize,
-}
-
-/// Rows in compressed form: row i has the columns `index[start[i]..start[i + 1]]`.
-#[derive(Clone, Debug)]
-struct RowBlock {
-    start: Vec<u32>,
-    /// Ranks of the neighbours, each below the number of rows of the matrix.
-    index: Vec<u32>,
-    /// Weights w_ab, 1/s, never negative.
-    weight: Vec<f64>,
 }
 
 /// Sorts the particles of `problem` into cells no smaller than the kernel's cutoff.
@@ -140,8 +131,7 @@ impl<'a> Walk<'a> {
                     let weight = self.weight.of(a, grid.order()[n.rank as usize] as usize, n.dist);
                     diagonal += weight;
                     if store {
-                        block.index.push(n.rank);
-                        block.weight.push(weight);
+                        block.push(n.rank, weight);
                     }
                 }
                 if held {
@@ -293,74 +283,6 @@ impl Rows {
     pub fn memory_bytes(&self) -> u64 {
         let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
         (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank)) as u64
-    }
-}
-
-impl Default for RowBlock {
-    fn default() -> Self {
-        Self::with_capacity(0, 0)
-    }
-}
-
-impl RowBlock {
-    fn with_capacity(rows: usize, entries: usize) -> Self {
-        let mut start = Vec::with_capacity(rows + 1);
-        start.push(0);
-        Self { start, index: Vec::with_capacity(entries), weight: Vec::with_capacity(entries) }
-    }
-
-    fn len(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    /// Closes the row that entries have been pushed to.
-    fn end_row(&mut self) {
-        self.start.push(self.index.len() as u32);
-    }
-
-    fn append(&mut self, other: &Self) {
-        let base = self.index.len() as u32;
-        self.start.extend(other.start[1..].iter().map(|start| base + start));
-        self.index.extend(&other.index);
-        self.weight.extend(&other.weight);
-    }
-
-    fn shrink(&mut self) {
-        self.index.shrink_to_fit();
-        self.weight.shrink_to_fit();
-    }
-
-    /// sum_b w_ab (C_b - C_a) of a row whose own value is `own`.
-    ///
-    /// Differences, not a product with a stored diagonal: a constant field has rate 0 exactly.
-    /// Four sums run side by side, so that the chain of additions does not set the speed.
-    #[inline(always)]
-    #[allow(
-        unsafe_code,
-        reason = "checking the bounds of every neighbour costs a tenth to a fifth of the speed"
-    )]
-    fn rate(&self, row: usize, own: f64, state: &[f64]) -> f64 {
-        let range = self.start[row] as usize..self.start[row + 1] as usize;
-        // SAFETY: only a walk over the grid fills `index`, with ranks below the number of rows of
-        // the matrix, and the callers in `Rows` have compared that with the length of `state`.
-        let term = |b: u32, w: f64| w * (unsafe { state.get_unchecked(b as usize) } - own);
-        let (index, weight) = (&self.index[range.clone()], &self.weight[range]);
-        let mut sum = [0.0_f64; 4];
-        let (index, weight) = (index.chunks_exact(4), weight.chunks_exact(4));
-        // The rest comes last, though it is known first: reading the end of a row before its
-        // beginning would stall on memory that the processor has not fetched ahead.
-        let (last_index, last_weight) = (index.remainder(), weight.remainder());
-        for (b, w) in index.zip(weight) {
-            for lane in 0..4 {
-                sum[lane] += term(b[lane], w[lane]);
-            }
-        }
-        let rest: f64 = last_index.iter().zip(last_weight).map(|(&b, &w)| term(b, w)).sum();
-        (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
-    }
-
-    fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.start) + size_of_val(&*self.index) + size_of_val(&*self.weight)
     }
 }
 
