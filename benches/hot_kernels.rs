@@ -25,10 +25,10 @@ fn hot_kernels(criterion: &mut Criterion) {
     let grid = cell_grid(&problem);
     group.bench_function("assembly", |bencher| bencher.iter(|| assemble(&problem, &grid)));
     let (survey, rows) = assemble(&problem, &grid);
-    let step = safe_step(survey.max_diagonal);
+    let step = safe_step(survey.rate_bound);
     let mut backend = CpuBackend::new(&problem, grid.into_order(), rows);
     group.bench_function("Euler step", |bencher| {
-        bencher.iter(|| backend.euler(step, 1).expect("a step"));
+        bencher.iter(|| backend.euler(0.0, step, 1).expect("a step"));
     });
     group.finish();
 }

@@ -87,7 +87,8 @@ fn rate_tolerance(problem: &Problem, precision: Precision) -> Vec<f64> {
 /// [`rates_apart`] with `on_cpu` on one side and `on_gpu` on the other.
 fn compare_rates(on_cpu: &Problem, on_gpu: &Problem, precision: Precision) -> usize {
     let mut backend = GpuBackend::new(on_gpu, 1e-3, device(), precision).expect("backend");
-    let (rate, on_device) = (cpu(on_cpu).rate().expect("rate"), backend.rate().expect("rate"));
+    let (rate, on_device) =
+        (cpu(on_cpu).rate(0.0).expect("rate"), backend.rate(0.0).expect("rate"));
     rates_apart(&rate, &on_device, &rate_tolerance(on_cpu, precision))
 }
 
@@ -134,12 +135,12 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
         for (value, x) in problem.initial.iter_mut().zip(&problem.particles.position) {
             *value += 3.0 + (x.x + 2.0 * x.y).sin();
         }
-        let dt = 0.9 / survey(&problem, &cell_grid(&problem)).max_diagonal;
+        let dt = 0.9 / survey(&problem, &cell_grid(&problem)).rate_bound;
         let mut on_cpu = cpu(&problem);
-        on_cpu.euler(dt, STEPS).expect("steps");
+        on_cpu.euler(0.0, dt, STEPS).expect("steps");
         for precision in Precision::ALL {
             let mut on_gpu = GpuBackend::new(&problem, dt, device(), precision).expect("backend");
-            on_gpu.euler(dt, STEPS).expect("steps");
+            on_gpu.euler(0.0, dt, STEPS).expect("steps");
             let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
             let allowed = tolerance(&problem, precision);
             assert!(found <= allowed, "{} in {precision:?}: {found:e} > {allowed:e}", scene.name);
@@ -160,8 +161,8 @@ fn the_cross_check_notices_one_changed_weight() {
     changed.particles.volume[6000] *= 1.0 + 1e-3;
     let mut on_cpu = cpu(&scene.problem);
     let mut on_gpu = GpuBackend::new(&changed, dt, device(), Precision::F64).expect("backend");
-    on_cpu.euler(dt, STEPS).expect("steps");
-    on_gpu.euler(dt, STEPS).expect("steps");
+    on_cpu.euler(0.0, dt, STEPS).expect("steps");
+    on_gpu.euler(0.0, dt, STEPS).expect("steps");
     let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
     assert!(found > tolerance(&scene.problem, Precision::F64), "{found:e}");
 }
@@ -172,10 +173,10 @@ fn saved_states_come_back_on_both_sides() {
     let dt = problem.spacing.powi(2) / problem.materials[0].diffusivity / 10.0;
     let gpu = GpuBackend::new(&problem, dt, device(), Precision::F32).expect("backend");
     fn check<B: Backend>(mut backend: B, dt: f64) {
-        backend.euler(dt, 3).expect("steps");
+        backend.euler(0.0, dt, 3).expect("steps");
         backend.save().expect("save");
         let before = backend.read().expect("read").as_ref().to_vec();
-        backend.euler(dt, 3).expect("steps");
+        backend.euler(0.0, dt, 3).expect("steps");
         assert_ne!(backend.read().expect("read").as_ref(), before);
         backend.restore().expect("restore");
         assert_eq!(backend.read().expect("read").as_ref(), before);

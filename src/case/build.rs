@@ -72,6 +72,8 @@ fn problem(
         correction,
         initial: initial.value,
         held,
+        walls: Vec::new(),
+        surfaces: Vec::new(),
         time,
     };
     Ok((problem, exact))

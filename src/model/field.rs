@@ -15,6 +15,8 @@ type Function = dyn Fn(DVec3, f64) -> f64 + Send + Sync;
 pub struct ScalarField {
     text: Arc<str>,
     function: Arc<Function>,
+    depends_on_position: bool,
+    depends_on_time: bool,
 }
 
 impl ScalarField {
@@ -23,7 +25,25 @@ impl ScalarField {
         text: impl Into<Arc<str>>,
         function: impl Fn(DVec3, f64) -> f64 + Send + Sync + 'static,
     ) -> Self {
-        Self { text: text.into(), function: Arc::new(function) }
+        Self {
+            text: text.into(),
+            function: Arc::new(function),
+            depends_on_position: true,
+            depends_on_time: true,
+        }
+    }
+
+    /// The same number everywhere and always.
+    pub fn constant(value: f64) -> Self {
+        Self::new(value.to_string(), move |_, _| value).depending_on(false, false)
+    }
+
+    /// The same field, known to depend on position or time only where said so. Who evaluates it
+    /// saves what does not change.
+    pub fn depending_on(mut self, position: bool, time: bool) -> Self {
+        self.depends_on_position = position;
+        self.depends_on_time = time;
+        self
     }
 
     /// The value at position `x` (m) and time `t` (s).
@@ -34,6 +54,16 @@ impl ScalarField {
     /// How the user wrote it.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// Whether the value may differ from place to place.
+    pub fn depends_on_position(&self) -> bool {
+        self.depends_on_position
+    }
+
+    /// Whether the value may change in time.
+    pub fn depends_on_time(&self) -> bool {
+        self.depends_on_time
     }
 }
 

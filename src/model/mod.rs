@@ -14,6 +14,7 @@ pub mod problem;
 pub(crate) mod scenes;
 pub mod stability;
 pub mod sum;
+pub mod wall;
 
 pub use field::ScalarField;
 pub use kernel::{Kernel, KernelKind};
@@ -21,3 +22,4 @@ pub use material::Material;
 pub use operator::{Correction, PairMean};
 pub use particles::{Domain, Particles};
 pub use problem::{Probe, Problem, StepChoice, TimePlan};
+pub use wall::{Condition, Face, Region, Surface, Wall, WallKind};

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use super::integrator::Method;
-use super::{Correction, Domain, Kernel, Material, PairMean, Particles};
+use super::{
+    Correction, Domain, Kernel, Material, PairMean, Particles, ScalarField, Surface, Wall,
+};
 
 /// A validated scene in SI units and f64: complete, so that no backend reads anything else.
 ///
@@ -31,6 +33,10 @@ pub struct Problem {
     pub initial: Vec<f64>,
     /// Indices of the particles whose value is held, strictly ascending.
     pub held: Vec<u32>,
+    /// Walls on faces of the domain; what they do not cover is free.
+    pub walls: Vec<Wall>,
+    /// Surfaces that are no faces of the domain.
+    pub surfaces: Vec<Surface>,
     /// Duration, step and output times.
     pub time: TimePlan,
     /// Where the value is recorded over time.
@@ -80,6 +86,14 @@ impl Problem {
     pub fn mass(&self, particle: usize) -> f64 {
         let material = usize::from(self.particles.material[particle]);
         self.materials[material].density * self.particles.volume[particle]
+    }
+
+    /// What walls and surfaces impose, in this order: their value, flux or ambient value. The
+    /// index is what [`crate::model::operator::fold::Term::imposed`] means.
+    pub fn imposed(&self) -> Vec<&ScalarField> {
+        let conditions = self.walls.iter().map(|wall| &wall.condition);
+        let conditions = conditions.chain(self.surfaces.iter().map(|surface| &surface.condition));
+        conditions.map(|condition| &condition.imposed).collect()
     }
 
     /// The largest diffusivity of any material, m2/s.

@@ -42,6 +42,8 @@ pub(crate) fn lattice(
         correction: Correction::Moment,
         initial: vec![0.0; n],
         held: Vec::new(),
+        walls: Vec::new(),
+        surfaces: Vec::new(),
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Automatic,

@@ -82,7 +82,7 @@ impl Run {
             let time = start + done as f64 * segment.dt;
             backend.save()?;
             let clock = Instant::now();
-            backend.euler(segment.dt, count)?;
+            backend.euler(time, segment.dt, count)?;
             if !backend.is_finite()? {
                 return self.diverged(backend, problem, observer, time, segment.dt, count);
             }
@@ -120,14 +120,14 @@ impl Run {
         while bad - good > 1 {
             let middle = good + (bad - good) / 2;
             backend.restore()?;
-            backend.euler(dt, middle)?;
+            backend.euler(start, dt, middle)?;
             if backend.is_finite()? { good = middle } else { bad = middle }
         }
         backend.restore()?;
-        backend.euler(dt, bad)?;
+        backend.euler(start, dt, bad)?;
         let state = backend.read()?;
         backend.restore()?;
-        backend.euler(dt, good)?;
+        backend.euler(start, dt, good)?;
         observer.last_state(start + good as f64 * dt, backend.read()?.as_ref())?;
         let not_finite = state.as_ref().iter().position(|x| !x.is_finite());
         Err(match not_finite {

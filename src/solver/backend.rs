@@ -10,16 +10,16 @@ pub trait Backend {
     /// A field as read back: one f64 a particle, in the problem's order.
     type Field: AsRef<[f64]>;
 
-    /// Takes `count` explicit Euler steps of `dt` (s).
-    fn euler(&mut self, dt: f64, count: u64) -> Result<(), SolverError>;
+    /// Takes `count` explicit Euler steps of `dt` (s) from `time` (s), which is where the state is.
+    fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError>;
 
     /// Reads the values back.
     fn read(&mut self) -> Result<Self::Field, SolverError>;
 
-    /// dC/dt of the present state, 1/s x the value's unit; 0 for held particles.
-    fn rate(&mut self) -> Result<Self::Field, SolverError>;
+    /// dC/dt of the present state at `time` (s), 1/s x the value's unit; 0 for held particles.
+    fn rate(&mut self, time: f64) -> Result<Self::Field, SolverError>;
 
-    /// What the held particles have given to the others since the start: value x volume.
+    /// What held particles and walls have given to the others since the start: value x volume.
     fn exchange(&mut self) -> Result<f64, SolverError>;
 
     /// Whether every value is finite.

@@ -29,7 +29,9 @@ pub struct CpuBackend {
     held_volume: Vec<f64>,
     state: Vec<f64>,
     next: Vec<f64>,
-    /// What the held particles have given to the others: value x volume.
+    /// Source of the wall rows, 1/s x value.
+    source: Vec<f64>,
+    /// What held particles and walls have given to the others: value x volume.
     exchange: CompensatedSum,
     saved: Option<(Vec<f64>, CompensatedSum)>,
 }
@@ -40,7 +42,10 @@ impl CpuBackend {
         let particle_at = |rank: &u32| order[*rank as usize] as usize;
         let held = rows.held_rank().iter().map(particle_at);
         let state: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
+        let mut source = Vec::new();
+        rows.walls().source_at(0.0, &mut source);
         Self {
+            source,
             held_volume: held.map(|particle| problem.particles.volume[particle]).collect(),
             next: state.clone(),
             saved: None,
@@ -51,7 +56,15 @@ impl CpuBackend {
         }
     }
 
-    fn step(&mut self, dt: f64) {
+    /// Brings the source to `time` (s).
+    fn update_source(&mut self, time: f64) {
+        if self.rows.walls().is_changing() {
+            self.rows.walls().source_at(time, &mut self.source);
+        }
+    }
+
+    fn step(&mut self, time: f64, dt: f64) {
+        self.update_source(time);
         if !self.held_volume.is_empty() {
             // What holding the values takes: the negative of what the held rows would gain.
             // Neighbours that are held too cancel in the sum.
@@ -59,7 +72,10 @@ impl CpuBackend {
             let gained: f64 = gains.map(|(rate, volume)| volume * rate).sum();
             self.exchange.add(-dt * gained);
         }
-        self.rows.apply(&self.state, &mut self.next, |own, rate| own + dt * rate);
+        if !self.source.is_empty() {
+            self.exchange.add(dt * self.rows.walls().inflow(&self.state, &self.source));
+        }
+        self.rows.apply(&self.state, &self.source, &mut self.next, |own, rate| own + dt * rate);
         std::mem::swap(&mut self.state, &mut self.next);
     }
 
@@ -76,9 +92,9 @@ impl CpuBackend {
 impl Backend for CpuBackend {
     type Field = CpuField;
 
-    fn euler(&mut self, dt: f64, count: u64) -> Result<(), SolverError> {
-        for _ in 0..count {
-            self.step(dt);
+    fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
+        for step in 0..count {
+            self.step(time + step as f64 * dt, dt);
         }
         Ok(())
     }
@@ -87,9 +103,10 @@ impl Backend for CpuBackend {
         Ok(self.in_problem_order(&self.state))
     }
 
-    fn rate(&mut self) -> Result<CpuField, SolverError> {
+    fn rate(&mut self, time: f64) -> Result<CpuField, SolverError> {
+        self.update_source(time);
         let mut rates = vec![0.0; self.state.len()];
-        self.rows.apply(&self.state, &mut rates, |_, rate| rate);
+        self.rows.apply(&self.state, &self.source, &mut rates, |_, rate| rate);
         Ok(self.in_problem_order(&rates))
     }
 
@@ -118,7 +135,8 @@ impl Backend for CpuBackend {
 
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |(state, _)| size_of_val(&**state));
-        let states = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.held_volume);
+        let states = 2 * size_of_val(&*self.state) + saved;
+        let states = states + size_of_val(&*self.held_volume) + size_of_val(&*self.source);
         self.rows.memory_bytes() + (size_of_val(&*self.order) + states) as u64
     }
 }

@@ -35,6 +35,19 @@ pub enum SolverError {
         /// The kernel's name.
         kernel: &'static str,
     },
+    /// A wall imposes something that is not finite where a ghost needs it.
+    #[error(
+        "{wall}: \"{text}\" is not finite at {at}; where two walls meet, each is also evaluated up \
+         to a support radius beyond the body"
+    )]
+    WallNotFinite {
+        /// The wall or surface.
+        wall: String,
+        /// What it imposes, as written.
+        text: String,
+        /// Where, m.
+        at: DVec3,
+    },
     /// A value that is not finite came up.
     #[error(
         "the run diverged at step {step} (t = {time:.6e} s): particle {particle} at {position} \
@@ -92,6 +105,7 @@ impl SolverError {
         match self {
             Self::UnstableStep { .. }
             | Self::CoincidentParticles { .. }
+            | Self::WallNotFinite { .. }
             | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. } => true,
             Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
@@ -106,6 +120,18 @@ impl SolverError {
             Self::Interrupted { step, .. } | Self::NotRepeatable { step } => *step,
             _ => 0,
         }
+    }
+
+    /// Refuses a scene where a wall imposes something that is not finite.
+    pub fn check_walls(problem: &Problem, survey: &Survey) -> Result<(), Self> {
+        let Some((index, at)) = survey.not_finite else {
+            return Ok(());
+        };
+        let walls = problem.walls.iter().map(|wall| &wall.name);
+        let names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
+        let wall = names.cloned().nth(index).unwrap_or_default();
+        let text = problem.imposed()[index].text().to_owned();
+        Err(Self::WallNotFinite { wall, text, at })
     }
 
     /// Refuses a scene where two particles coincide under a kernel without a weight for them.

@@ -59,7 +59,8 @@ impl StepLimits {
 }
 
 /// Takes the given step or the safe bound. A given step above the safe bound has the true limit
-/// measured, and only then; above that it is refused unless `allow_unstable`.
+/// measured, and only then; above that it is refused unless `allow_unstable`. The measurement needs
+/// a symmetric matrix: of another, the safe bound counts as the limit.
 ///
 /// # Errors
 /// [`SolverError::UnstableStep`].
@@ -69,7 +70,7 @@ pub fn choose_step(
     allow_unstable: bool,
     measure: impl FnOnce() -> LargestEigenvalue,
 ) -> Result<Step, SolverError> {
-    let safe = safe_step(survey.max_diagonal);
+    let safe = safe_step(survey.rate_bound);
     let limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
     let dt = match problem.time.step {
         StepChoice::Automatic => safe,
@@ -81,15 +82,18 @@ pub fn choose_step(
     if dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
         return Ok(step);
     }
-    let found = measure();
-    let limit = 2.0 / found.bound;
-    step.limits.measured = Some(limit);
-    step.applications = found.applications;
+    let limit = if survey.symmetric {
+        let found = measure();
+        step.applications = found.applications;
+        *step.limits.measured.insert(2.0 / found.bound)
+    } else {
+        safe
+    };
     if dt > limit && !allow_unstable {
         return Err(SolverError::UnstableStep { step: dt, limit });
     }
     let verdict = if dt > limit {
-        format!("{:.3} times ABOVE the measured limit {limit:.6e} s: it will grow", dt / limit)
+        format!("{:.3} times ABOVE the limit {limit:.6e} s: it will grow", dt / limit)
     } else {
         format!(
             "{:.1} % below the measured limit {limit:.6e} s; values may leave the initial range",

@@ -156,6 +156,7 @@ pub fn prepare(
         (survey(problem, &grid), None)
     };
     SolverError::check_coincident(problem, &survey)?;
+    SolverError::check_walls(problem, &survey)?;
     let step = choose_step(problem, &survey, allow_unstable, || {
         let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
         measure_limit(problem, grid.order(), rows)

@@ -14,7 +14,7 @@ fn backend(problem: &Problem, precision: Precision) -> GpuBackend {
 
 fn after(problem: &Problem, options: GpuOptions, steps: u64) -> Vec<f64> {
     let mut backend = GpuBackend::with_options(problem, STEP, device(), options).expect("backend");
-    backend.euler(STEP, steps).expect("steps");
+    backend.euler(0.0, STEP, steps).expect("steps");
     backend.read().expect("field").as_ref().to_vec()
 }
 
@@ -62,7 +62,7 @@ fn steps_with_held_particles_equal_plain_steps() {
         [(Precision::F32, f64::from(f32::EPSILON)), (Precision::F64, f64::EPSILON)]
     {
         let mut backend = backend(&problem, precision);
-        backend.euler(STEP, 25).expect("steps");
+        backend.euler(0.0, STEP, 25).expect("steps");
         let field = backend.read().expect("field");
         let (expected, given) = plain_euler(&problem, 25);
         // Values near 320 are rounded in each step; a weight sum below 1 amplifies none of it. The
@@ -86,7 +86,7 @@ fn steps_with_held_particles_equal_plain_steps() {
         assert!(largest_difference(field.as_ref(), &earlier) > tolerance);
         let noticed = (exchange - given_earlier).abs() > tolerance * volume;
         assert!(noticed || precision == Precision::F32);
-        let rate = backend.rate().expect("rate");
+        let rate = backend.rate(0.0).expect("rate");
         assert!(problem.held.iter().all(|&h| rate.as_ref()[h as usize] == 0.0));
     }
 }
@@ -123,10 +123,10 @@ fn save_and_restore_bring_the_state_back() {
     let mut problem = random_lattice(KernelKind::Lucy, 2, 9);
     problem.held = vec![7];
     let mut backend = backend(&problem, Precision::F32);
-    backend.euler(STEP, 3).expect("steps");
+    backend.euler(0.0, STEP, 3).expect("steps");
     let (field, given) = (backend.read().expect("field"), backend.exchange().expect("exchange"));
     backend.save().expect("save");
-    backend.euler(STEP, 4).expect("steps");
+    backend.euler(0.0, STEP, 4).expect("steps");
     assert_ne!(backend.read().expect("field"), field);
     backend.restore().expect("restore");
     assert_eq!(backend.read().expect("field"), field);
@@ -156,11 +156,11 @@ fn no_particle_and_one_particle_work() {
             problem.particles.material.truncate(count);
             problem.initial = vec![5.0; count];
             let mut backend = backend(&problem, precision);
-            backend.euler(STEP, 10).expect("steps");
+            backend.euler(0.0, STEP, 10).expect("steps");
             backend.save().expect("save");
             backend.restore().expect("restore");
             assert_eq!(backend.read().expect("field").as_ref(), problem.initial);
-            assert_eq!(backend.rate().expect("rate").as_ref(), vec![0.0; count]);
+            assert_eq!(backend.rate(0.0).expect("rate").as_ref(), vec![0.0; count]);
             assert_eq!(backend.exchange().expect("exchange"), 0.0);
             assert!(backend.is_finite().expect("check"));
         }

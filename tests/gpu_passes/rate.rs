@@ -7,7 +7,7 @@ use crate::support::{brute_force, device, random_lattice};
 /// How many rates are off by more than roundings explain.
 fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {
     let mut backend = GpuBackend::new(on_device, 1e-3, device(), precision).expect("backend");
-    let rate = backend.rate().expect("rate");
+    let rate = backend.rate(0.0).expect("rate");
     let epsilon = backend.choices().real().epsilon();
     let expected = brute_force(expected, epsilon);
     assert_eq!(rate.as_ref().len(), expected.len());

@@ -59,6 +59,8 @@ pub(crate) fn scene(
         pair_mean: PairMean::Harmonic,
         correction: Correction::Moment,
         initial: vec![0.0; count],
+        walls: Vec::new(),
+        surfaces: Vec::new(),
         held: Vec::new(),
         time: TimePlan {
             end: 1.0,

@@ -4,10 +4,13 @@
 //! Brookshaw sum of the report's (107) and (109). The moment is 1 for the plain operator and the
 //! lattice's Deff / D for the moment-corrected one.
 
+pub mod fold;
 mod pair_mean;
 mod row_block;
 pub mod rows;
+mod wall_rows;
 mod weight;
 
 pub use pair_mean::PairMean;
+pub use wall_rows::WallRows;
 pub use weight::{Correction, PairWeight};

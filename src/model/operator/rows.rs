@@ -2,15 +2,20 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::PairWeight;
+use super::fold::{Fold, RowFold};
 use super::row_block::RowBlock;
+use super::wall_rows::WallRowsBuilder;
+use super::{PairWeight, WallRows};
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
 use crate::model::{Problem, lattice};
 
 /// Cells that one task of a parallel walk handles.
 const CELLS_PER_TASK: usize = 256;
+/// Negative weights of this part of a row's diagonal and less count as none.
+const ROUNDING: f64 = 1e-12;
 /// Below this many rows one thread is faster than handing out tasks for every product.
 const SERIAL_ROWS: usize = 16_384;
 
@@ -21,9 +26,15 @@ pub struct Survey {
     pub entries: u64,
     /// The most neighbours that a particle has.
     pub most_neighbors: usize,
-    /// max_a |A_aa| = max_a sum_b w_ab over particles that are not held, 1/s; 0 if none has a
-    /// neighbour.
-    pub max_diagonal: f64,
+    /// What bounds the step of explicit Euler, 1/s: the largest |A_aa| over particles that are not
+    /// held. Where weights of a row are negative, their magnitudes are added, which makes it a
+    /// bound of sum_b |A_ab| / 2. 0 if none has a neighbour.
+    pub rate_bound: f64,
+    /// Whether the matrix is symmetric once scaled by volume: all but convection is.
+    pub symmetric: bool,
+    /// The wall or surface (an index into [`Problem::imposed`]) that imposes a value that is not
+    /// finite, and where (m), if any does.
+    pub not_finite: Option<(usize, DVec3)>,
     /// Smallest summation density (18), kg/m^dim.
     pub min_density: f64,
     /// Largest summation density (18), kg/m^dim.
@@ -35,7 +46,8 @@ pub struct Survey {
 /// The matrix of a scene. Rows and columns are ranks, places in cell order.
 ///
 /// The rows of held particles are empty among the others, since nothing changes there, and kept
-/// apart: what they would gain is what the outside has to take away.
+/// apart: what they would gain is what the outside has to take away. Walls are folded into the
+/// weights; what else they add is kept by [`WallRows`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The rows of all ranks, block after block.
@@ -44,6 +56,7 @@ pub struct Rows {
     held: RowBlock,
     /// Ranks of the held particles, ascending.
     held_rank: Vec<u32>,
+    walls: WallRows,
     count: usize,
 }
 
@@ -54,31 +67,75 @@ pub fn cell_grid(problem: &Problem) -> CellGrid<'_> {
 
 /// Walks over all pairs once and stores none; see [`Survey`].
 pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
-    let walk = Walk::new(problem, grid);
-    let parts = tasks(grid).into_par_iter().map(|cells| walk.visit(cells, false).survey);
+    let weight = PairWeight::new(problem);
+    let walk = Walk::new(problem, grid, &weight);
+    let parts = tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Nothing).survey);
     let parts: Vec<Survey> = parts.collect();
     parts.into_iter().fold(Survey::EMPTY, Survey::merge)
 }
 
 /// Walks over all pairs once and stores the weights.
 pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
-    let walk = Walk::new(problem, grid);
+    let weight = PairWeight::new(problem);
+    let walk = Walk::new(problem, grid, &weight);
     let parts: Vec<Part> =
-        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, true)).collect();
+        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Rows)).collect();
     let mut survey = Survey::EMPTY;
     let mut rows = Rows {
         blocks: Vec::with_capacity(parts.len()),
         held: RowBlock::default(),
         held_rank: Vec::new(),
+        walls: WallRows::default(),
         count: grid.order().len(),
     };
+    let mut walls = WallRowsBuilder::default();
     for part in parts {
         survey = survey.merge(part.survey);
         rows.blocks.push(part.free);
         rows.held.append(&part.held);
         rows.held_rank.extend(part.held_rank);
+        walls.append(part.walls);
     }
+    rows.walls = walls.finish(problem);
     (survey, rows)
+}
+
+/// What walls add to the matrix of a scene, kept apart from it: for a backend that computes the
+/// weights between particles itself. Ranks are places in cell order.
+#[derive(Clone, Debug, Default)]
+pub struct WallFold {
+    /// What the weights of pairs (row, neighbour) get, 1/s, row by row.
+    pub weight: Vec<(u32, u32, f64)>,
+    /// The rows with more than weights.
+    pub rows: WallRows,
+}
+
+/// Walks over the particles near walls and stores what these add.
+pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
+    let weight = PairWeight::new(problem);
+    let walk = Walk::new(problem, grid, &weight);
+    if walk.fold.is_none() {
+        return WallFold::default();
+    }
+    let parts: Vec<Part> =
+        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Walls)).collect();
+    let mut weight = Vec::new();
+    let mut walls = WallRowsBuilder::default();
+    for part in parts {
+        weight.extend(part.folded);
+        walls.append(part.walls);
+    }
+    WallFold { weight, rows: walls.finish(problem) }
+}
+
+/// What a walk stores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Keep {
+    Nothing,
+    /// The rows of the matrix.
+    Rows,
+    /// What walls add to them.
+    Walls,
 }
 
 /// What the visit of some cells found.
@@ -87,63 +144,134 @@ struct Part {
     free: RowBlock,
     held: RowBlock,
     held_rank: Vec<u32>,
+    folded: Vec<(u32, u32, f64)>,
+    walls: WallRowsBuilder,
 }
 
 /// What every task of a walk needs.
 struct Walk<'a> {
     problem: &'a Problem,
     grid: &'a CellGrid<'a>,
-    weight: PairWeight<'a>,
+    weight: &'a PairWeight<'a>,
+    fold: Option<Fold<'a>>,
     /// Neighbours in the interior of a lattice: what rows are expected to have.
     expected: usize,
 }
 
+/// One row of a walk.
+struct Row<'a> {
+    rank: usize,
+    /// Index of the particle.
+    a: usize,
+    held: bool,
+    neighbors: &'a [Neighbor],
+    /// What walls add, if any reaches.
+    fold: Option<&'a RowFold>,
+}
+
 impl<'a> Walk<'a> {
-    fn new(problem: &'a Problem, grid: &'a CellGrid<'a>) -> Self {
+    fn new(problem: &'a Problem, grid: &'a CellGrid<'a>, weight: &'a PairWeight<'a>) -> Self {
         let mut expected = 0;
         lattice::for_each_neighbor(&problem.kernel, problem.spacing, |_| expected += 1);
-        Self { problem, grid, weight: PairWeight::new(problem), expected }
+        Self { problem, grid, weight, fold: Fold::new(problem, weight), expected }
     }
 
-    fn visit(&self, cells: Range<usize>, store: bool) -> Part {
+    fn visit(&self, cells: Range<usize>, keep: Keep) -> Part {
         let (problem, grid) = (self.problem, self.grid);
         let particles = (grid.start()[cells.end] - grid.start()[cells.start]) as usize;
-        let capacity = if store { particles * self.expected } else { 0 };
+        let capacity = if keep == Keep::Rows { particles * self.expected } else { 0 };
         let mut part = Part {
             survey: Survey::EMPTY,
             free: RowBlock::with_capacity(particles, capacity),
             held: RowBlock::default(),
             held_rank: Vec::new(),
+            folded: Vec::new(),
+            walls: WallRowsBuilder::default(),
         };
         let mut scratch = Scratch::default();
+        let mut row_fold = RowFold::default();
         for cell in cells {
+            if keep == Keep::Walls && !self.walls_reach(cell) {
+                continue;
+            }
             grid.for_each_row(cell, problem.kernel.cutoff(), &mut scratch, |rank, neighbors| {
                 let a = grid.order()[rank] as usize;
-                part.survey.note_neighbors(grid, a, neighbors);
-                part.survey.note_density(density_of(problem, grid, a, neighbors));
+                let folded = self
+                    .fold
+                    .as_ref()
+                    .is_some_and(|fold| fold.of_row(a, neighbors, grid.order(), &mut row_fold));
+                let fold = folded.then_some(&row_fold);
                 let held = problem.is_held(a);
-                if held && store {
-                    part.held_rank.push(rank as u32);
+                let row = Row { rank, a, held, neighbors, fold };
+                match keep {
+                    Keep::Walls => part.keep_walls(problem, &row),
+                    _ => self.note(&row, keep == Keep::Rows, &mut part),
                 }
-                let block = if held { &mut part.held } else { &mut part.free };
-                let mut diagonal = 0.0;
-                for n in neighbors {
-                    let weight = self.weight.of(a, grid.order()[n.rank as usize] as usize, n.dist);
-                    diagonal += weight;
-                    if store {
-                        block.push(n.rank, weight);
-                    }
-                }
-                if held {
-                    part.held.end_row();
-                } else {
-                    part.survey.max_diagonal = part.survey.max_diagonal.max(diagonal);
-                }
-                part.free.end_row();
             });
         }
         part.free.shrink();
         part
+    }
+
+    /// Whether a wall reaches a particle of the cell.
+    fn walls_reach(&self, cell: usize) -> bool {
+        let position = &self.problem.particles.position;
+        let particles = &self.grid.order()[self.grid.ranks(cell)];
+        let reached =
+            |fold: &Fold<'_>| particles.iter().any(|&p| fold.reaches(position[p as usize]));
+        self.fold.as_ref().is_some_and(reached)
+    }
+
+    /// Surveys a row, and stores it with `store`.
+    fn note(&self, row: &Row<'_>, store: bool, part: &mut Part) {
+        let (problem, grid) = (self.problem, self.grid);
+        part.survey.note_neighbors(grid, row.a, row.neighbors);
+        part.survey.note_density(density_of(problem, grid, row.a, row.neighbors));
+        let block = if row.held { &mut part.held } else { &mut part.free };
+        let (mut weights, mut negative) = (0.0, 0.0);
+        for (k, n) in row.neighbors.iter().enumerate() {
+            let between = self.weight.of(row.a, grid.order()[n.rank as usize] as usize, n.dist);
+            let weight = between + row.fold.map_or(0.0, |fold| fold.weight[k]);
+            weights += weight;
+            negative -= weight.min(0.0);
+            if store {
+                block.push(n.rank, weight);
+            }
+        }
+        if row.held {
+            part.held.end_row();
+        } else {
+            part.survey.note_diagonal(weights - row.fold.map_or(0.0, |f| f.diagonal), negative);
+        }
+        part.free.end_row();
+        if let Some(fold) = row.fold {
+            part.survey.note_fold(fold);
+        }
+        if store {
+            if row.held {
+                part.held_rank.push(row.rank as u32);
+            }
+            part.add_wall_row(problem, row);
+        }
+    }
+}
+
+impl Part {
+    /// Stores what walls add to a row.
+    fn keep_walls(&mut self, problem: &Problem, row: &Row<'_>) {
+        let Some(fold) = row.fold else {
+            return;
+        };
+        let weights = row.neighbors.iter().zip(&fold.weight).filter(|(_, weight)| **weight != 0.0);
+        self.folded.extend(weights.map(|(n, weight)| (row.rank as u32, n.rank, *weight)));
+        self.add_wall_row(problem, row);
+    }
+
+    fn add_wall_row(&mut self, problem: &Problem, row: &Row<'_>) {
+        if let Some(fold) = row.fold {
+            let volume = problem.particles.volume[row.a];
+            self.walls.add(row.rank as u32, volume, row.held, fold);
+        }
     }
 }
 
@@ -151,7 +279,9 @@ impl Survey {
     const EMPTY: Self = Self {
         entries: 0,
         most_neighbors: 0,
-        max_diagonal: 0.0,
+        rate_bound: 0.0,
+        symmetric: true,
+        not_finite: None,
         min_density: f64::INFINITY,
         max_density: f64::NEG_INFINITY,
         coincident: None,
@@ -161,7 +291,9 @@ impl Survey {
         Self {
             entries: self.entries + other.entries,
             most_neighbors: self.most_neighbors.max(other.most_neighbors),
-            max_diagonal: self.max_diagonal.max(other.max_diagonal),
+            rate_bound: self.rate_bound.max(other.rate_bound),
+            symmetric: self.symmetric && other.symmetric,
+            not_finite: self.not_finite.or(other.not_finite),
             min_density: self.min_density.min(other.min_density),
             max_density: self.max_density.max(other.max_density),
             coincident: self.coincident.or(other.coincident),
@@ -174,6 +306,18 @@ impl Survey {
         if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
             self.coincident = Some((a, grid.order()[same.rank as usize] as usize));
         }
+    }
+
+    /// Takes a row whose diagonal is -`diagonal` and whose negative weights add up to -`negative`.
+    fn note_diagonal(&mut self, diagonal: f64, negative: f64) {
+        // Mirrors subtract nearly equal weights; what rounding leaves of them is no sign.
+        let bound = if negative <= ROUNDING * diagonal { diagonal } else { diagonal + negative };
+        self.rate_bound = self.rate_bound.max(bound);
+    }
+
+    fn note_fold(&mut self, fold: &RowFold) {
+        self.symmetric &= fold.skew == 0.0;
+        self.not_finite = self.not_finite.or(fold.not_finite);
     }
 
     fn note_density(&mut self, density: f64) {
@@ -240,18 +384,36 @@ impl Rows {
         &self.held_rank
     }
 
+    /// The rows with a part of walls beyond their weights.
+    pub fn walls(&self) -> &WallRows {
+        &self.walls
+    }
+
     /// `out[a] = combine(state[a], rate_a)` for every row, in parallel, with
-    /// rate_a = sum_b w_ab (C_b - C_a), 1/s x the unit of `state`; 0 for held particles. Both
-    /// slices are in cell order.
+    /// rate_a = sum_b w_ab (C_b - C_a), 1/s x the unit of `state`, and in the rows of
+    /// [`Rows::walls`] their diagonal x C_a + `source`; 0 for held particles. Both fields are in
+    /// cell order. An empty `source` stands for zeros: the matrix alone.
     ///
     /// # Panics
-    /// If a slice has another length than there are rows.
-    pub fn apply(&self, state: &[f64], out: &mut [f64], combine: impl Fn(f64, f64) -> f64 + Sync) {
+    /// If a field has another length than there are rows, or the source than there are wall rows.
+    pub fn apply(
+        &self,
+        state: &[f64],
+        source: &[f64],
+        out: &mut [f64],
+        combine: impl Fn(f64, f64) -> f64 + Sync,
+    ) {
         assert!(state.len() == self.count && out.len() == self.count, "one value a row");
+        assert!(source.is_empty() || source.len() == self.walls.len(), "one source a wall row");
         let advance = |(first, block, out): (usize, &RowBlock, &mut [f64])| {
+            let mut walls = self.walls.from_rank(first, source);
             for (row, out) in out.iter_mut().enumerate() {
                 let own = state[first + row];
-                *out = combine(own, block.rate(row, own, state));
+                let mut rate = block.rate(row, own, state);
+                if walls.next_rank() == first + row {
+                    rate += walls.take(own);
+                }
+                *out = combine(own, rate);
             }
         };
         let mut tasks = Vec::with_capacity(self.blocks.len());
@@ -282,7 +444,8 @@ impl Rows {
     /// Bytes that the rows hold.
     pub fn memory_bytes(&self) -> u64 {
         let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
-        (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank)) as u64
+        let walls = self.walls.memory_bytes();
+        (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank) + walls) as u64
     }
 }
 

@@ -10,7 +10,7 @@ fn rates(problem: &Problem, state: &[f64]) -> Vec<f64> {
     let (_, rows) = assemble(problem, &grid);
     let by_rank: Vec<f64> = grid.order().iter().map(|&p| state[p as usize]).collect();
     let mut rate = vec![f64::NAN; state.len()];
-    rows.apply(&by_rank, &mut rate, |_, rate| rate);
+    rows.apply(&by_rank, &[], &mut rate, |_, rate| rate);
     let mut out = vec![0.0; state.len()];
     for (&p, rate) in grid.order().iter().zip(rate) {
         out[p as usize] = rate;
@@ -169,11 +169,11 @@ fn held_rows_are_kept_apart_and_do_not_bound_the_step() {
     let grid = cell_grid(&problem);
     let (one, rows) = assemble(&problem, &grid);
     assert_eq!(one, survey(&problem, &grid));
-    assert!((all.max_diagonal - 2.0).abs() < 1e-14 && (one.max_diagonal - 1.0).abs() < 1e-14);
+    assert!((all.rate_bound - 2.0).abs() < 1e-14 && (one.rate_bound - 1.0).abs() < 1e-14);
     // Only the first particle moves; only the second held one would.
     let state: Vec<f64> = grid.order().iter().map(|&p| if p == 0 { 1.0 } else { 0.0 }).collect();
     let mut rate = vec![f64::NAN; 10];
-    rows.apply(&state, &mut rate, |_, rate| rate);
+    rows.apply(&state, &[], &mut rate, |_, rate| rate);
     let moved = |rate: &[f64]| rate.iter().filter(|r| **r != 0.0).count();
     let held: Vec<f64> = rows.held_rates(&state).collect();
     assert_eq!((moved(&rate), moved(&held), rows.held_rank().len()), (1, 1, 9));

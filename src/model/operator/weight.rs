@@ -43,7 +43,11 @@ pub struct PairWeight<'a> {
     /// kbar sigma / H^(dim + 2) / moment of each pair of materials, row by row: computed once, so
     /// that no pair divides.
     factor: Vec<f64>,
+    /// Conductivity of each pair of materials as the operator conducts it.
+    conductivity: Vec<f64>,
     materials: usize,
+    /// Deff / D of the plain operator on the lattice.
+    lattice_ratio: f64,
 }
 
 impl<'a> PairWeight<'a> {
@@ -51,25 +55,43 @@ impl<'a> PairWeight<'a> {
     pub fn new(problem: &'a Problem) -> Self {
         let kernel = &problem.kernel;
         let moment = problem.correction.moment(kernel, problem.spacing);
+        let lattice_ratio = lattice::effective_diffusivity_ratio(kernel, problem.spacing);
         let scale = kernel.dw_over_r_scale() / moment;
         let materials = &problem.materials;
         let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (a, b)));
+        let mean: Vec<f64> =
+            pairs.map(|(a, b)| problem.pair_mean.of(a.diffusivity, b.diffusivity)).collect();
         Self {
             particles: &problem.particles,
             shape: kernel.kind().definition().shape_dw_over_r,
             inverse_radius: 1.0 / kernel.support_radius(),
-            factor: pairs
-                .map(|(a, b)| problem.pair_mean.of(a.diffusivity, b.diffusivity) * scale)
-                .collect(),
+            factor: mean.iter().map(|mean| mean * scale).collect(),
+            conductivity: mean.iter().map(|mean| 0.5 * mean * lattice_ratio / moment).collect(),
             materials: materials.len(),
+            lattice_ratio,
         }
     }
 
     /// w_ab of particles `a` and `b` at distance `dist` (m, below the kernel's cutoff), 1/s, never
     /// negative.
     pub fn of(&self, a: usize, b: usize, dist: f64) -> f64 {
-        let material = |particle: usize| usize::from(self.particles.material[particle]);
-        let factor = self.factor[material(a) * self.materials + material(b)];
+        let factor = self.factor[self.materials_of(a, b)];
         -self.particles.volume[b] * factor * (self.shape)(dist * self.inverse_radius)
+    }
+
+    /// Half the mean of the pair `a`, `b` as the operator conducts it: the plain one has a factor
+    /// Deff / D. For two particles of one material it is that material's conductivity.
+    pub fn conductivity(&self, a: usize, b: usize) -> f64 {
+        self.conductivity[self.materials_of(a, b)]
+    }
+
+    /// Deff / D of the plain operator on the lattice.
+    pub fn lattice_ratio(&self) -> f64 {
+        self.lattice_ratio
+    }
+
+    fn materials_of(&self, a: usize, b: usize) -> usize {
+        let material = |particle: usize| usize::from(self.particles.material[particle]);
+        material(a) * self.materials + material(b)
     }
 }

@@ -80,7 +80,7 @@ fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
 fn apply(rows: &Rows, root: &[f64], x: &[f64]) -> Vec<f64> {
     let scaled: Vec<f64> = x.par_iter().zip(root).map(|(x, r)| x / r).collect();
     let mut y = vec![0.0; x.len()];
-    rows.apply(&scaled, &mut y, |_, rate| -rate);
+    rows.apply(&scaled, &[], &mut y, |_, rate| -rate);
     y.par_iter_mut().zip(root).for_each(|(y, r)| *y *= r);
     y
 }

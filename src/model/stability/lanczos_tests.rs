@@ -8,7 +8,7 @@ fn limit(problem: &Problem) -> f64 {
     let grid = cell_grid(problem);
     let (survey, rows) = assemble(problem, &grid);
     let found = largest_eigenvalue(&rows, &problem.particles.volume);
-    assert!(2.0 / found.bound >= safe_step(survey.max_diagonal) * (1.0 - 1e-9));
+    assert!(2.0 / found.bound >= safe_step(survey.rate_bound) * (1.0 - 1e-9));
     2.0 / found.bound
 }
 

@@ -25,10 +25,11 @@ impl ReportBounds {
     }
 }
 
-/// The safe bound 1 / max_a |A_aa| (s) from the largest diagonal (1/s).
+/// The safe bound (s) from the survey's rate bound (1/s): 1 / max_a |A_aa| where no weight is
+/// negative, and no more than 2 / max_a sum_b |A_ab| elsewhere.
 ///
-/// Where every weight is non-negative, a step up to here makes each new value a mean of old ones:
-/// stable, and the maximum principle holds. Infinite for a scene without pairs.
-pub fn safe_step(max_diagonal: f64) -> f64 {
-    if max_diagonal > 0.0 { 1.0 / max_diagonal } else { f64::INFINITY }
+/// Up to the first, each new value is a mean of old ones and of what walls impose: stable, and the
+/// maximum principle holds. Infinite for a scene without pairs.
+pub fn safe_step(rate_bound: f64) -> f64 {
+    if rate_bound > 0.0 { 1.0 / rate_bound } else { f64::INFINITY }
 }

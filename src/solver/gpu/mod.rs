@@ -164,7 +164,7 @@ impl GpuBackend {
 impl Backend for GpuBackend {
     type Field = GpuField;
 
-    fn euler(&mut self, dt: f64, count: u64) -> Result<(), SolverError> {
+    fn euler(&mut self, _time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
         let over_reference = dt / self.reference_step;
         Ok(self.steps.run(&self.device, over_reference, count)?)
     }
@@ -173,7 +173,7 @@ impl Backend for GpuBackend {
         self.field(self.steps.state(), 1.0)
     }
 
-    fn rate(&mut self) -> Result<GpuField, SolverError> {
+    fn rate(&mut self, _time: f64) -> Result<GpuField, SolverError> {
         let rate = self.steps.rate(&self.device, &self.choices, &self.list)?;
         self.field(rate, 1.0 / self.reference_step)
     }

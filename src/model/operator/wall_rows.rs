@@ -1,0 +1,186 @@
+//! The rows to which walls add more than weights: a diagonal and a source.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::fold::{RowFold, Term};
+use crate::model::{Problem, ScalarField};
+
+/// Diagonals and sources of rows, and what crosses the walls there.
+///
+/// Row k of these belongs to rank `rank[k]` of the matrix. Its rate gets
+/// `diagonal[k] C + source`, and what enters the body through walls is the sum over k of
+/// `volume[k] (flow[k] C + source)`; both are 0 for held particles but for the flow.
+#[derive(Clone, Debug, Default)]
+pub struct WallRows {
+    rank: Vec<u32>,
+    diagonal: Vec<f64>,
+    flow: Vec<f64>,
+    volume: Vec<f64>,
+    source: Source,
+}
+
+/// The source of each row, 1/s x the value's unit: a fixed part, and one that changes in time.
+#[derive(Clone, Debug, Default)]
+struct Source {
+    fixed: Vec<f64>,
+    /// Where something that changes is imposed.
+    points: Vec<Point>,
+    /// Row, point and coefficient (1/s).
+    terms: Vec<(u32, u32, f64)>,
+}
+
+#[derive(Clone, Debug)]
+struct Point {
+    imposed: ScalarField,
+    at: DVec3,
+}
+
+/// Collects the rows of a walk.
+#[derive(Debug, Default)]
+pub(super) struct WallRowsBuilder {
+    rows: WallRows,
+    terms: Vec<(u32, Term)>,
+}
+
+impl WallRowsBuilder {
+    /// Takes the row at `rank`, of a particle of this volume, if anything but insulation acts.
+    pub(super) fn add(&mut self, rank: u32, volume: f64, held: bool, fold: &RowFold) {
+        if !fold.acts || (held && fold.skew == 0.0) {
+            return;
+        }
+        let row = self.rows.rank.len() as u32;
+        // The value of a held particle does not change: nothing is added to it.
+        let live = if held { 0.0 } else { 1.0 };
+        self.rows.rank.push(rank);
+        self.rows.volume.push(volume);
+        self.rows.diagonal.push(live * fold.diagonal);
+        self.rows.flow.push(live * fold.diagonal + fold.skew);
+        self.rows.source.fixed.push(live * fold.source);
+        if !held {
+            self.terms.extend(fold.changing.iter().map(|&term| (row, term)));
+        }
+    }
+
+    /// Appends the rows of a later part of the walk.
+    pub(super) fn append(&mut self, other: Self) {
+        let base = self.rows.rank.len() as u32;
+        self.rows.rank.extend(other.rows.rank);
+        self.rows.volume.extend(other.rows.volume);
+        self.rows.diagonal.extend(other.rows.diagonal);
+        self.rows.flow.extend(other.rows.flow);
+        self.rows.source.fixed.extend(other.rows.source.fixed);
+        self.terms.extend(other.terms.into_iter().map(|(row, term)| (base + row, term)));
+    }
+
+    /// The finished rows. What is imposed at one place is evaluated once, however many rows it
+    /// acts on.
+    pub(super) fn finish(mut self, problem: &Problem) -> WallRows {
+        let imposed = problem.imposed();
+        let mut known: HashMap<(usize, [u64; 3]), u32> = HashMap::new();
+        let Source { points, terms, .. } = &mut self.rows.source;
+        for (row, term) in self.terms {
+            let key = (term.imposed, term.foot.to_array().map(f64::to_bits));
+            let point = *known.entry(key).or_insert_with(|| {
+                points.push(Point { imposed: imposed[term.imposed].clone(), at: term.foot });
+                points.len() as u32 - 1
+            });
+            match terms.last_mut() {
+                Some(last) if last.0 == row && last.1 == point => last.2 += term.coefficient,
+                _ => terms.push((row, point, term.coefficient)),
+            }
+        }
+        self.rows
+    }
+}
+
+impl WallRows {
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.rank.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.rank.is_empty()
+    }
+
+    /// Their ranks in the matrix, ascending.
+    pub fn rank(&self) -> &[u32] {
+        &self.rank
+    }
+
+    /// Factor of each row's own value in its rate, 1/s.
+    pub fn diagonal(&self) -> &[f64] {
+        &self.diagonal
+    }
+
+    /// Factor of each row's own value in what enters through walls, 1/s.
+    pub fn flow(&self) -> &[f64] {
+        &self.flow
+    }
+
+    /// Volume of each row's particle.
+    pub fn volume(&self) -> &[f64] {
+        &self.volume
+    }
+
+    /// Whether a source changes in time.
+    pub fn is_changing(&self) -> bool {
+        !self.source.terms.is_empty()
+    }
+
+    /// Writes the source of every row at time `t` (s) into `source`.
+    pub fn source_at(&self, t: f64, source: &mut Vec<f64>) {
+        source.clone_from(&self.source.fixed);
+        let at_point = |point: &Point| point.imposed.at(point.at, t);
+        let values: Vec<f64> = self.source.points.iter().map(at_point).collect();
+        for &(row, point, coefficient) in &self.source.terms {
+            source[row as usize] += coefficient * values[point as usize];
+        }
+    }
+
+    /// What enters the body through walls, value x volume a second, with values `state` by rank.
+    pub fn inflow(&self, state: &[f64], source: &[f64]) -> f64 {
+        let rows = self.rank.iter().zip(&self.volume).zip(self.flow.iter().zip(source));
+        rows.map(|((&rank, volume), (flow, s))| volume * (flow * state[rank as usize] + s)).sum()
+    }
+
+    /// The rows from `rank` on, one after another.
+    pub(super) fn from_rank<'a>(&'a self, rank: usize, source: &'a [f64]) -> WallCursor<'a> {
+        let next = self.rank.partition_point(|&r| (r as usize) < rank);
+        WallCursor { rows: self, source, next }
+    }
+
+    /// Bytes that the rows hold.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let by_row = size_of::<u32>() + 4 * size_of::<f64>();
+        let Source { points, terms, .. } = &self.source;
+        self.rank.len() * by_row + size_of_val(&**points) + size_of_val(&**terms)
+    }
+}
+
+/// Goes through the rows in the order of their ranks.
+pub(super) struct WallCursor<'a> {
+    rows: &'a WallRows,
+    /// Source of each row; none means 0.
+    source: &'a [f64],
+    next: usize,
+}
+
+impl WallCursor<'_> {
+    /// The rank of the next row; of none, one that no row has.
+    #[inline(always)]
+    pub(super) fn next_rank(&self) -> usize {
+        self.rows.rank.get(self.next).map_or(usize::MAX, |&rank| rank as usize)
+    }
+
+    /// What the next row's rate gets, where its own value is `own`.
+    pub(super) fn take(&mut self, own: f64) -> f64 {
+        let source = self.source.get(self.next).copied().unwrap_or(0.0);
+        let rate = self.rows.diagonal[self.next] * own + source;
+        self.next += 1;
+        rate
+    }
+}
