@@ -1,3 +1,8 @@
+// How many neighbours a row has.
+fn list_length(row: u32) -> u32 {
+    return row_length[row] & LENGTH_MASK;
+}
+
 // sum_b w_ab (C_b - C_a) over the list of a row: its rate of change, dimensionless in time.
 fn row_sum(row: u32) -> real {
     let own = before[row];

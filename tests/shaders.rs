@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
-use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE};
+use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE, WallTerms};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
 
@@ -61,16 +61,17 @@ fn combinations() -> Vec<Choices> {
                 for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
                     for bits in 0..(4 << dimension) {
                         let bit = |n: usize| bits >> n & 1 == 1;
-                        all.push(Choices {
+                        all.extend(WallTerms::ALL.map(|walls| Choices {
                             kernel,
                             pair_mean,
                             dimension,
                             periodic: [0, 1, 2].map(|axis| axis < dimension && bit(2 + axis)),
                             held: bit(0),
+                            walls,
                             uniform: bit(1),
                             precision,
                             workgroup_size: 64,
-                        });
+                        }));
                     }
                 }
             }

@@ -1,9 +1,5 @@
 // Some particles keep their value; the rows of these carry HELD_BIT in their length.
 
-fn list_length(row: u32) -> u32 {
-    return row_length[row] & ~HELD_BIT;
-}
-
 fn is_held(row: u32) -> bool {
     return (row_length[row] & HELD_BIT) != 0u;
 }

@@ -10,11 +10,14 @@ fn step(
     if row >= chunk.end_row {
         return;
     }
-    let increment = step_size.over_reference * row_sum(row);
+    let own = before[row];
+    let step = step_size.over_reference;
+    let increment = step * (row_sum(row) + wall_rate(row, own));
+    record_inflow(row, own, step);
     if is_held(row) {
         record_exchange(row, increment);
-        after[row] = before[row];
+        after[row] = own;
     } else {
-        after[row] = before[row] + increment;
+        after[row] = own + increment;
     }
 }

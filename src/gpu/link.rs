@@ -23,6 +23,10 @@ pub enum Element {
     Real,
     /// Two [`Real`]s.
     Real2,
+    /// Four [`Real`]s.
+    Real4,
+    /// Four u32s.
+    U32x4,
 }
 
 /// A parameter block: first counts (u32), then reals, without gaps but for the alignment of the
@@ -109,6 +113,8 @@ impl Binding {
             Element::AtomicU32 => "atomic<u32>",
             Element::Real => "real",
             Element::Real2 => "vec2<real>",
+            Element::Real4 => "vec4<real>",
+            Element::U32x4 => "vec4<u32>",
         };
         let (space, of) = match self.holds {
             Holds::Block(layout) => ("uniform", layout.name.to_owned()),

@@ -2,6 +2,7 @@ use diffusph::gpu::Real;
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::Choices;
+use diffusph::solver::gpu::passes::WallTerms;
 
 use crate::support::{Random, device};
 
@@ -23,6 +24,7 @@ fn choices(kernel: KernelKind, pair_mean: PairMean, precision: Precision) -> Cho
         dimension: 1,
         periodic: [false; 3],
         held: false,
+        walls: WallTerms::None,
         uniform: true,
         precision,
         workgroup_size: 64,

@@ -5,14 +5,16 @@
 
 use std::ops::Range;
 
-use super::passes::{CHUNK, Choices, HELD_BIT, SLICE_ROWS};
+use super::passes::{CHUNK, Choices, HELD_BIT, LENGTH_MASK, SLICE_ROWS, WALL_BIT};
 use super::sorted::Sorted;
+use super::walls::{Fold, Walls};
 use crate::gpu::{Buffer, Device, GpuError};
 
 /// The neighbour list of a scene, on the device.
 #[derive(Debug)]
 pub(super) struct List {
-    /// Neighbours of each row, with [`HELD_BIT`] in held ones.
+    /// Neighbours of each row, with [`HELD_BIT`] in held ones and [`WALL_BIT`] in those with a slot
+    /// of a wall, which their list names after the last neighbour.
     pub(super) row_length: Buffer,
     /// First element of each slice, in its chunk.
     pub(super) slice_start: Buffer,
@@ -71,14 +73,15 @@ impl Plan {
 }
 
 impl List {
-    /// Builds the list of `sorted`, whose rows `held_rows` are held; `coefficient` is the table of
-    /// volume and diffusivity where the scene needs one. A chunk's buffers stay within
-    /// `chunk_bytes` each.
+    /// Builds the list of `sorted`, whose rows `held_rows` are held, with `walls` folded in;
+    /// `coefficient` is the table of volume and diffusivity where the scene needs one. A chunk's
+    /// buffers stay within `chunk_bytes` each.
     pub(super) fn new(
         device: &Device,
         choices: &Choices,
         sorted: &Sorted,
         held_rows: &[u32],
+        walls: &Walls,
         coefficient: Option<&Buffer>,
         chunk_bytes: u64,
     ) -> Result<Self, GpuError> {
@@ -86,15 +89,16 @@ impl List {
         let (row_length, mut lengths) = count_neighbors(device, choices, sorted, count)?;
         let element_bytes = choices.real().size().max(4) as u64;
         let most = (chunk_bytes / element_bytes).min(u64::from(u32::MAX));
-        let plan = Plan::new(&lengths, most).map_err(|needed| GpuError::TooLarge {
+        let mut entries = lengths.clone();
+        walls.slot_rows().iter().for_each(|&row| entries[row as usize] += 1);
+        let plan = Plan::new(&entries, most).map_err(|needed| GpuError::TooLarge {
             what: "a slice of the neighbour list".to_owned(),
             needed: needed * element_bytes,
             available: chunk_bytes,
         })?;
-        if !held_rows.is_empty() {
-            for &row in held_rows {
-                lengths[row as usize] |= HELD_BIT;
-            }
+        if !(held_rows.is_empty() && walls.slot_rows().is_empty()) {
+            held_rows.iter().for_each(|&row| lengths[row as usize] |= HELD_BIT);
+            walls.slot_rows().iter().for_each(|&row| lengths[row as usize] |= WALL_BIT);
             device.write(&row_length, bytemuck::cast_slice(&lengths))?;
         }
         let starts = bytemuck::cast_slice(&plan.slice_start);
@@ -103,10 +107,30 @@ impl List {
             slice_start: device.storage_with("slice starts", starts)?,
             chunks: Vec::with_capacity(plan.chunks.len()),
         };
+        let fold = walls.fold(device, choices.real())?;
         for (rows, elements) in plan.chunks {
             list.add(device, choices, sorted, coefficient, rows, elements)?;
+            if let (Some(fold), Some(chunk)) = (&fold, list.chunks.last()) {
+                list.fold(device, choices, chunk, fold)?;
+            }
         }
         Ok(list)
+    }
+
+    /// Adds the walls to a chunk.
+    fn fold(
+        &self,
+        device: &Device,
+        choices: &Choices,
+        chunk: &Chunk,
+        fold: &Fold,
+    ) -> Result<(), GpuError> {
+        let mut buffers =
+            vec![&chunk.block, &self.row_length, &self.slice_start, &chunk.neighbor, &chunk.weight];
+        buffers.extend(&fold.buffers);
+        let pass = device.pass(&choices.wall_fold(), &buffers, fold.rows)?;
+        device.submit([&pass])?;
+        Ok(())
     }
 
     fn add(
@@ -165,7 +189,7 @@ impl List {
             let weight = choices.real().from_bytes(&device.read(&chunk.weight)?);
             for row in chunk.rows.clone() {
                 let first = starts[(row / SLICE_ROWS) as usize] + row % SLICE_ROWS;
-                let places = (0..lengths[row as usize] & !HELD_BIT)
+                let places = (0..lengths[row as usize] & LENGTH_MASK)
                     .map(|k| (first + k * SLICE_ROWS) as usize);
                 rows.push(places.map(|i| (neighbor[i], weight[i])).collect());
             }

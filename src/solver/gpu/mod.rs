@@ -8,6 +8,7 @@ pub mod passes;
 mod scaling;
 mod sorted;
 mod steps;
+mod walls;
 
 use std::collections::BTreeSet;
 
@@ -19,9 +20,11 @@ use crate::model::neighbors::CellLayout;
 
 use list::List;
 pub use passes::Choices;
+use passes::WallTerms;
 use scaling::Scaling;
 pub use sorted::Sorted;
 use steps::Steps;
+use walls::{WallSlots, Walls};
 
 /// How a scene is put on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +75,9 @@ pub struct GpuBackend {
 struct Saved {
     state: Buffer,
     exchange: Option<Buffer>,
+    walls: Option<Buffer>,
+    /// Where the ring of wall sources was.
+    tick: u32,
 }
 
 impl GpuBackend {
@@ -95,7 +101,7 @@ impl GpuBackend {
     ) -> Result<Self, SolverError> {
         let needs = Needs::of(problem);
         let scaling = Scaling::new(problem, dt, needs.coefficients);
-        let choices = choices(problem, needs, options);
+        let mut choices = choices(problem, needs, options);
         device.require(choices.real())?;
         let particles = &problem.particles;
         let cells = CellLayout::of(problem);
@@ -109,15 +115,19 @@ impl GpuBackend {
             scaling.weight,
         )?;
         let order = sorted.order().to_vec();
+        let walls = Walls::new(problem, &order, scaling.step);
+        choices.walls = walls.terms();
         let held = held_rows(problem, &order);
         let rows: Vec<u32> = held.iter().map(|&(row, _)| row).collect();
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
         let most = device.max_binding_bytes();
         let chunk_bytes = options.list_chunk_bytes.map_or(most, |bytes| bytes.min(most));
-        let list = List::new(device, &choices, &sorted, &rows, table.as_ref(), chunk_bytes)?;
+        let list =
+            List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), chunk_bytes)?;
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
+        let slots = WallSlots::new(device, choices.real(), walls)?;
         Ok(Self {
-            steps: Steps::new(device, &choices, &list, &initial)?,
+            steps: Steps::new(device, &choices, &list, &initial, slots)?,
             device: device.clone(),
             choices,
             order,
@@ -164,27 +174,28 @@ impl GpuBackend {
 impl Backend for GpuBackend {
     type Field = GpuField;
 
-    fn euler(&mut self, _time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
-        let over_reference = dt / self.reference_step;
-        Ok(self.steps.run(&self.device, over_reference, count)?)
+    fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
+        Ok(self.steps.run(&self.device, time, dt, self.reference_step, count)?)
     }
 
     fn read(&mut self) -> Result<GpuField, SolverError> {
         self.field(self.steps.state(), 1.0)
     }
 
-    fn rate(&mut self, _time: f64) -> Result<GpuField, SolverError> {
-        let rate = self.steps.rate(&self.device, &self.choices, &self.list)?;
+    fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
+        let rate = self.steps.rate(&self.device, &self.choices, &self.list, time)?;
         self.field(rate, 1.0 / self.reference_step)
     }
 
     fn exchange(&mut self) -> Result<f64, SolverError> {
+        let walls = self.steps.walls().map(|walls| walls.inflow(&self.device));
+        let through_walls = walls.transpose()?.unwrap_or(0.0);
         let Some(buffer) = self.steps.exchange() else {
-            return Ok(0.0);
+            return Ok(through_walls);
         };
         let given = self.choices.real().from_bytes(&self.device.read(buffer)?);
         let amount = |&(row, volume): &(u32, f64)| volume * given[row as usize];
-        Ok(self.held.iter().map(amount).sum())
+        Ok(through_walls + self.held.iter().map(amount).sum::<f64>())
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
@@ -197,18 +208,27 @@ impl Backend for GpuBackend {
             self.saved = Some(Saved {
                 state: twin(self.steps.state())?,
                 exchange: self.steps.exchange().map(twin).transpose()?,
+                walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
+                tick: 0,
             });
+        }
+        if let (Some(saved), Some(walls)) = (&mut self.saved, self.steps.walls()) {
+            saved.tick = walls.tick();
         }
         Ok(self.copy_saved(|here, saved| (here, saved))?)
     }
 
     fn restore(&mut self) -> Result<(), SolverError> {
+        if let (Some(saved), Some(walls)) = (&self.saved, self.steps.walls_mut()) {
+            walls.set_tick(saved.tick);
+        }
         Ok(self.copy_saved(|here, saved| (saved, here))?)
     }
 
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |saved| {
-            saved.state.bytes() + saved.exchange.as_ref().map_or(0, Buffer::bytes)
+            let others = saved.exchange.iter().chain(&saved.walls);
+            saved.state.bytes() + others.map(Buffer::bytes).sum::<u64>()
         });
         self.list.bytes() + self.steps.bytes() + saved
     }
@@ -227,6 +247,8 @@ impl GpuBackend {
         let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
         let mut pairs = vec![direction(self.steps.state(), &saved.state)];
         pairs.extend(exchange.map(|(here, there)| direction(here, there)));
+        let walls = self.steps.walls().zip(saved.walls.as_ref());
+        pairs.extend(walls.map(|(here, there)| direction(&here.wall, there)));
         self.device.copy(&pairs)
     }
 }
@@ -242,6 +264,7 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
         dimension: problem.dimension,
         periodic,
         held: needs.held,
+        walls: WallTerms::None,
         uniform: !needs.coefficients,
         precision: options.precision,
         workgroup_size: options.workgroup_size,

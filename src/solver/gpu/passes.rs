@@ -11,6 +11,18 @@ pub const SLICE_ROWS: u32 = 32;
 /// The bit of a row's length that marks a held particle.
 pub const HELD_BIT: u32 = 1 << 31;
 
+/// The bit of a row's length that says that walls add more to the row than weights.
+pub const WALL_BIT: u32 = 1 << 30;
+
+/// The bits of a row's length that count its neighbours.
+pub const LENGTH_MASK: u32 = WALL_BIT - 1;
+
+/// The slot of a row that has none.
+pub const NO_SLOT: u32 = u32::MAX;
+
+/// Steps whose wall sources the device holds at once, where they change.
+pub const SOURCE_STEPS: u32 = 64;
+
 /// Invocations a workgroup: within the least that WebGPU guarantees. See [`super::GpuOptions`].
 pub const WORKGROUP_SIZE: u32 = 64;
 
@@ -26,6 +38,9 @@ pub const SETUP: [&str; 9] = [
     "neighbor_count",
     "list",
 ];
+
+/// The pass that adds the walls to the list.
+pub const WALL_SETUP: &str = "wall_fold";
 
 /// The passes of a run's steps.
 pub const STEP: [&str; 2] = ["step", "finite"];
@@ -45,6 +60,22 @@ pub static CHUNK: BlockLayout =
 pub static STEP_SIZE: BlockLayout =
     BlockLayout { name: "StepSize", counts: &[], reals: &["over_reference"] };
 
+/// What walls add to a step beyond weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallTerms {
+    /// Nothing.
+    None,
+    /// A diagonal and a source.
+    Steady,
+    /// The source changes in time.
+    Changing,
+}
+
+impl WallTerms {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::None, Self::Steady, Self::Changing];
+}
+
 /// What a scene needs of the shaders: nothing else is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choices {
@@ -58,6 +89,8 @@ pub struct Choices {
     pub periodic: [bool; 3],
     /// Whether some particles keep their value.
     pub held: bool,
+    /// What walls add to a step.
+    pub walls: WallTerms,
     /// Whether all particles share one volume and one diffusivity.
     pub uniform: bool,
     /// The precision.
@@ -181,6 +214,21 @@ impl Choices {
         self.on_grid("list", &[&shared[..], &[material, &kernel, &mean]].concat(), bindings)
     }
 
+    /// Adds the walls to the rows of a chunk.
+    pub fn wall_fold(&self) -> PassSource {
+        let bindings = vec![
+            block("chunk", &CHUNK),
+            read("row_length", Element::U32),
+            read("slice_start", Element::U32),
+            write("neighbor", Element::U32),
+            write("weight", Element::Real),
+            read("fold", Element::U32x4),
+            read("fold_neighbor", Element::U32),
+            read("fold_weight", Element::Real),
+        ];
+        self.source(WALL_SETUP, &[], bindings)
+    }
+
     /// One explicit Euler step of the rows of a chunk.
     pub fn step(&self) -> PassSource {
         let mut source = self.on_list("step");
@@ -221,6 +269,7 @@ impl Choices {
             self.gather(),
             self.neighbor_count(),
             self.list(),
+            self.wall_fold(),
             self.step(),
             self.rate(),
             self.finite(),
@@ -259,7 +308,16 @@ impl Choices {
         } else {
             "domain/all_free"
         };
-        self.source(pass, &[held, "row_sum"], bindings)
+        let walls: &[&str] = match self.walls {
+            WallTerms::None => &["walls/none"],
+            WallTerms::Steady => &["walls/some", "walls/steady"],
+            WallTerms::Changing => &["walls/some", "walls/changing"],
+        };
+        if self.walls != WallTerms::None {
+            bindings.push(write("wall", Element::Real4));
+            bindings.push(read("wall_source", Element::Real));
+        }
+        self.source(pass, &[&[held, "row_sum"], walls].concat(), bindings)
     }
 
     fn source(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
@@ -275,6 +333,10 @@ impl Choices {
                 ("PERIODIC_Z", Constant::Flag(periodic_z)),
                 ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
                 ("HELD_BIT", Constant::Count(HELD_BIT)),
+                ("WALL_BIT", Constant::Count(WALL_BIT)),
+                ("LENGTH_MASK", Constant::Count(LENGTH_MASK)),
+                ("NO_SLOT", Constant::Count(NO_SLOT)),
+                ("SOURCE_STEPS", Constant::Count(SOURCE_STEPS)),
                 ("CUTOFF_SQUARED", Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN)),
                 ("LARGEST", Constant::Real(self.real().largest())),
             ],

@@ -2,6 +2,7 @@
 
 use super::list::{Chunk, List};
 use super::passes::{Choices, STEP_SIZE};
+use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass, Real};
 
 /// Dispatches in a submission at most.
@@ -17,6 +18,8 @@ pub(super) struct Steps {
     current: usize,
     /// What each held particle has given, value; only where there is one.
     exchange: Option<Buffer>,
+    /// The rows to which walls add more than weights; only where there is one.
+    walls: Option<WallSlots>,
     step_size: Buffer,
     over_reference: Option<f64>,
     flag: Buffer,
@@ -33,6 +36,7 @@ impl Steps {
         choices: &Choices,
         list: &List,
         initial: &[f64],
+        walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
         let real = choices.real();
         let contents = real.to_bytes(initial);
@@ -47,7 +51,8 @@ impl Steps {
         let step_size = device.block("step size", &STEP_SIZE.contents(real, [], [0.0]))?;
         let flag = device.storage("flag", 4)?;
         let step_of = |chunk: &Chunk, from: usize| {
-            let mut buffers = list_buffers(list, chunk, &state, from, exchange.as_ref());
+            let mut buffers =
+                list_buffers(list, chunk, &state, from, exchange.as_ref(), walls.as_ref());
             buffers.push(&step_size);
             device.pass(&choices.step(), &buffers, chunk.row_count())
         };
@@ -64,19 +69,23 @@ impl Steps {
             state,
             current: 0,
             exchange,
+            walls,
             step_size,
             over_reference: None,
             flag,
         })
     }
 
-    /// Takes `count` steps of `over_reference` reference steps.
+    /// Takes `count` steps of `dt` (s) from `time` (s); the reference step is `reference` (s).
     pub(super) fn run(
         &mut self,
         device: &Device,
-        over_reference: f64,
+        time: f64,
+        dt: f64,
+        reference: f64,
         count: u64,
     ) -> Result<(), GpuError> {
+        let over_reference = dt / reference;
         if self.over_reference != Some(over_reference) {
             let contents = STEP_SIZE.contents(self.real, [], [over_reference]);
             device.write(&self.step_size, &contents)?;
@@ -84,7 +93,12 @@ impl Steps {
         }
         let mut remaining = count;
         while remaining > 0 {
-            let steps = self.pace.next(device, remaining)?;
+            let mut steps = self.pace.next(device, remaining)?;
+            if let Some(walls) = &mut self.walls {
+                steps = steps.min(walls.most_steps());
+                walls.prepare(device, time + (count - remaining) as f64 * dt, dt, steps)?;
+                walls.advance(steps);
+            }
             let from = |k: u64| (self.current + k as usize) % 2;
             let passes = (0..steps).flat_map(|k| &self.step[from(k)]);
             let submission = device.submit(passes)?;
@@ -105,17 +119,31 @@ impl Steps {
         self.exchange.as_ref()
     }
 
-    /// The rate of change a reference step; it lies where the next step will write. A run of
-    /// explicit steps never asks, so its passes are made here.
+    /// The rows to which walls add more than weights.
+    pub(super) fn walls(&self) -> Option<&WallSlots> {
+        self.walls.as_ref()
+    }
+
+    /// The same, to be changed.
+    pub(super) fn walls_mut(&mut self) -> Option<&mut WallSlots> {
+        self.walls.as_mut()
+    }
+
+    /// The rate of change a reference step at `time` (s); it lies where the next step will write. A
+    /// run of explicit steps never asks, so its passes are made here.
     pub(super) fn rate(
         &self,
         device: &Device,
         choices: &Choices,
         list: &List,
+        time: f64,
     ) -> Result<&Buffer, GpuError> {
+        if let Some(walls) = &self.walls {
+            walls.prepare(device, time, 0.0, 1)?;
+        }
         let pass_of = |chunk: &Chunk| {
-            let exchange = self.exchange.as_ref();
-            let buffers = list_buffers(list, chunk, &self.state, self.current, exchange);
+            let (exchange, walls) = (self.exchange.as_ref(), self.walls.as_ref());
+            let buffers = list_buffers(list, chunk, &self.state, self.current, exchange, walls);
             device.pass(&choices.rate(), &buffers, chunk.row_count())
         };
         let passes = list.chunks.iter().map(pass_of).collect::<Result<Vec<_>, _>>()?;
@@ -134,7 +162,7 @@ impl Steps {
     pub(super) fn bytes(&self) -> u64 {
         let fixed = [&self.state[0], &self.state[1], &self.step_size, &self.flag];
         let buffers = fixed.into_iter().chain(&self.exchange);
-        buffers.map(Buffer::bytes).sum()
+        buffers.map(Buffer::bytes).sum::<u64>() + self.walls.as_ref().map_or(0, WallSlots::bytes)
     }
 }
 
@@ -145,6 +173,7 @@ fn list_buffers<'a>(
     state: &'a [Buffer; 2],
     from: usize,
     exchange: Option<&'a Buffer>,
+    walls: Option<&'a WallSlots>,
 ) -> Vec<&'a Buffer> {
     let mut buffers = vec![
         &chunk.block,
@@ -156,5 +185,6 @@ fn list_buffers<'a>(
         &state[1 - from],
     ];
     buffers.extend(exchange);
+    buffers.extend(walls.into_iter().flat_map(|walls| [&walls.wall, &walls.source]));
     buffers
 }

@@ -1,0 +1,11 @@
+// What walls impose changes: `wall_source` is a ring of SOURCE_STEPS steps, and each slot counts
+// its own steps, so that none has to wait for another.
+
+fn wall_source_at(slot: u32) -> real {
+    return wall_source[u32(wall[slot].w) * arrayLength(&wall) + slot];
+}
+
+fn end_step(slot: u32) {
+    wall[slot].w = real((u32(wall[slot].w) + 1u) % SOURCE_STEPS);
+}
+

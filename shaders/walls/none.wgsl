@@ -1,0 +1,8 @@
+// No wall adds anything to the sum over the list.
+
+fn wall_rate(row: u32, own: real) -> real {
+    return real(0.0);
+}
+
+fn record_inflow(row: u32, own: real, step: real) {}
+
