@@ -1,7 +1,11 @@
 //! What runs for a scene, and what is left out because the scene does not need it.
 
+use glam::DVec3;
+
 use super::{MachineKind, gpu};
 use crate::model::Problem;
+use crate::model::operator::WallNeeds;
+use crate::model::wall::WalledFace;
 
 /// What runs for a scene: a pure function of the problem and the kind of machine.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +45,8 @@ pub struct Needs {
     pub periodic: bool,
     /// Particles differ in volume or diffusivity.
     pub coefficients: bool,
+    /// What walls and surfaces ask for.
+    pub walls: WallNeeds,
 }
 
 impl Needs {
@@ -57,6 +63,7 @@ impl Needs {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
             coefficients: !(same_volume && same_diffusivity),
+            walls: WallNeeds::of(problem),
         }
     }
 }
@@ -82,15 +89,33 @@ impl Plan {
 
     /// The passes of a run, in order.
     pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
-        let (setup, step): (&[_], &[_]) = match self.machine {
-            MachineKind::Cpu if self.needs.held => {
-                (&["sort", "survey", "rows"], &["exchange", "step"])
-            }
-            MachineKind::Cpu => (&["sort", "survey", "rows"], &["step"]),
-            MachineKind::Gpu(_) => (&gpu::passes::SETUP, &gpu::passes::STEP),
+        let mut passes = match self.machine {
+            MachineKind::Cpu => vec!["sort", "survey", "rows"],
+            MachineKind::Gpu(_) => gpu::passes::SETUP.to_vec(),
         };
-        let step = if problem.time.end == 0.0 { &[] } else { step };
-        [setup, step].concat()
+        if self.needs.walls != WallNeeds::None {
+            passes.push(gpu::passes::WALL_SETUP);
+        }
+        if problem.time.end > 0.0 {
+            passes.extend(self.step_passes());
+        }
+        passes
+    }
+
+    /// The passes of a step, in order.
+    fn step_passes(&self) -> Vec<&'static str> {
+        if self.machine != MachineKind::Cpu {
+            return gpu::passes::STEP.to_vec();
+        }
+        let mut passes = Vec::new();
+        if self.needs.walls == WallNeeds::Changing {
+            passes.push("wall_sources");
+        }
+        if self.needs.held || self.needs.walls >= WallNeeds::Steady {
+            passes.push("exchange");
+        }
+        passes.push("step");
+        passes
     }
 
     /// About how many bytes the state and the operator take, but for what fills up the slices of a
@@ -119,6 +144,7 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
         let why = "all particles share one volume and one diffusivity";
         leave("volume and diffusivity by particle", why, particles * 2 * real);
     }
+    leave_walls(problem, needs.walls, &mut leave);
     if !needs.periodic {
         leave("nearest images", "no axis is periodic", 0);
     }
@@ -132,12 +158,41 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
     list
 }
 
+/// Bytes of a particle: position, volume, value and material.
+const PARTICLE_BYTES: u64 = 42;
+
+fn leave_walls(
+    problem: &Problem,
+    walls: WallNeeds,
+    leave: &mut impl FnMut(&'static str, &'static str, u64),
+) {
+    match walls {
+        WallNeeds::None => return leave("wall fold", "no face has a wall with ghosts", 0),
+        WallNeeds::Insulated => leave("wall sources", "every wall with ghosts is insulated", 0),
+        WallNeeds::Steady => {
+            leave("wall sources at every step", "what walls impose does not change in time", 0);
+        }
+        WallNeeds::Changing => {}
+    }
+    let faces = WalledFace::all(&problem.walls, problem.dimension);
+    let reach = problem.kernel.cutoff();
+    let ghosts = |walled: &WalledFace<'_>| {
+        let near = |x: &&DVec3| walled.face().distance(&problem.domain, **x) < reach;
+        problem.particles.position.iter().filter(near).count() as u64
+    };
+    let count: u64 = faces.iter().map(ghosts).sum();
+    if count > 0 {
+        let why = "the particles are at rest: their ghosts are folded into the matrix";
+        leave("ghost particles", why, count * PARTICLE_BYTES);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Precision;
     use super::*;
-    use crate::model::KernelKind;
     use crate::model::scenes::lattice;
+    use crate::model::{Condition, Face, KernelKind, ScalarField, Wall};
 
     fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
         let plan = Plan::new(problem, machine);
@@ -150,6 +205,7 @@ mod tests {
         let expected = [
             ("exchange of held particles", 256),
             ("volume and diffusivity by particle", 512),
+            ("wall fold", 0),
             ("nearest images", 0),
         ];
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
@@ -161,7 +217,36 @@ mod tests {
         problem.held = vec![0];
         problem.domain.periodic = [true, false, false];
         problem.particles.volume[5] *= 2.0;
-        assert_eq!(what(&problem, MachineKind::Gpu(Precision::F64)), []);
+        let value = Condition::value(ScalarField::new("t", |_, t| t));
+        problem.walls = vec![wall(value)];
+        // But for the ghosts of the 32 particles near the wall.
+        let ghosts = ("ghost particles", 32 * PARTICLE_BYTES);
+        assert_eq!(what(&problem, MachineKind::Gpu(Precision::F64)), [ghosts]);
+    }
+
+    fn wall(condition: Condition) -> Wall {
+        let face = Face { axis: 1, upper: true };
+        Wall { name: "wall".into(), face, covers: None, condition }
+    }
+
+    #[test]
+    fn walls_are_folded_and_evaluated_no_more_than_they_need() {
+        let mut problem = lattice(KernelKind::CubicSpline, 2, [4, 4, 1], 0.5, 2.0);
+        let mut found = |condition: Condition| {
+            problem.walls = vec![wall(condition)];
+            let plan = Plan::new(&problem, MachineKind::Cpu);
+            let has = |what: &str| plan.left_out.iter().any(|left| left.what == what);
+            let passes = plan.passes(&problem);
+            let runs = |pass: &str| passes.contains(&pass);
+            let left = [has("wall fold"), has("wall sources"), has("wall sources at every step")];
+            (left, [runs("wall_fold"), runs("exchange"), runs("wall_sources")])
+        };
+        let changing = ScalarField::new("t", |_, t| t);
+        let steady = ScalarField::constant(3.0);
+        assert_eq!(found(Condition::free()), ([true, false, false], [false, false, false]));
+        assert_eq!(found(Condition::insulated()), ([false, true, false], [true, false, false]));
+        assert_eq!(found(Condition::flux(steady)), ([false, false, true], [true, true, false]));
+        assert_eq!(found(Condition::value(changing)), ([false, false, false], [true, true, true]));
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
                 name: probe.name.clone(),
                 at: probe.at.to_array()[..self.scene.problem.dimension].to_vec(),
                 time: self.time,
-                value: interpolation.of(&self.state),
+                value: interpolation.of(&self.state, self.time),
                 exact: self.exact_at(probe.at),
             })
             .collect()

@@ -20,9 +20,9 @@
 use glam::DVec3;
 
 use super::PairWeight;
+use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
-use crate::model::wall::{Condition, Face, Mirror, WallKind};
-use crate::model::{Problem, Wall};
+use crate::model::wall::{Condition, Face, Mirror, WalledFace};
 
 /// The orders in which one, two or three faces can be mirrored.
 const ORDERS: [&[&[usize]]; 3] = [
@@ -81,13 +81,6 @@ pub struct Fold<'a> {
     faces: Vec<WalledFace<'a>>,
 }
 
-/// A face with the walls on it.
-struct WalledFace<'a> {
-    face: Face,
-    /// Index and wall, patches in their order and then what covers the rest.
-    walls: Vec<(usize, &'a Wall)>,
-}
-
 /// The faces behind which a ghost lies, by axis.
 type Image = [Option<Face>; 3];
 
@@ -102,32 +95,11 @@ struct Passage {
     of_row: Mirror,
 }
 
-impl<'a> WalledFace<'a> {
-    /// The walls of each face that has any with ghosts.
-    fn all(problem: &'a Problem) -> Vec<Self> {
-        let has_ghosts = |wall: &Wall| wall.condition.kind != WallKind::Free;
-        let both = |axis| [false, true].map(|upper| Face { axis, upper });
-        let of_face = |face: Face| {
-            let mut walls: Vec<_> =
-                problem.walls.iter().enumerate().filter(|(_, wall)| wall.face == face).collect();
-            walls.sort_by_key(|(_, wall)| wall.covers.is_none());
-            walls.iter().any(|(_, wall)| has_ghosts(wall)).then_some(Self { face, walls })
-        };
-        (0..problem.dimension).flat_map(both).filter_map(of_face).collect()
-    }
-
-    /// The wall at a point of the face.
-    fn at(&self, point: DVec3) -> Option<(usize, &'a Wall)> {
-        let covers = |wall: &Wall| wall.covers.as_ref().is_none_or(|part| part.contains(point));
-        self.walls.iter().find(|(_, wall)| covers(wall)).copied()
-    }
-}
-
 impl<'a> Fold<'a> {
     /// The fold of `problem`, whose pairs have the weights `weight`; `None` if it has no wall but
     /// free ones, and no surface.
     pub fn new(problem: &'a Problem, weight: &'a PairWeight<'a>) -> Option<Self> {
-        let faces = WalledFace::all(problem);
+        let faces = WalledFace::all(&problem.walls, problem.dimension);
         let acts = !faces.is_empty() || !problem.surfaces.is_empty();
         acts.then_some(Self { problem, weight, faces })
     }
@@ -135,7 +107,8 @@ impl<'a> Fold<'a> {
     /// Whether a ghost or a surface may be within the support of a particle at `x` (m).
     pub fn reaches(&self, x: DVec3) -> bool {
         let cutoff = self.problem.kernel.cutoff();
-        let near = |walled: &WalledFace<'_>| walled.face.distance(&self.problem.domain, x) < cutoff;
+        let near =
+            |walled: &WalledFace<'_>| walled.face().distance(&self.problem.domain, x) < cutoff;
         let on_surface = || self.problem.surfaces.iter().any(|s| s.foot(x, cutoff).is_some());
         self.faces.iter().any(near) || on_surface()
     }
@@ -176,11 +149,11 @@ impl<'a> Fold<'a> {
         let mut images: Vec<Image> = vec![[None; 3]];
         for axis in 0..self.problem.dimension {
             let before = images.clone();
-            for walled in self.faces.iter().filter(|walled| walled.face.axis == axis) {
-                if walled.face.distance(&self.problem.domain, x) < cutoff {
+            for walled in self.faces.iter().filter(|walled| walled.face().axis == axis) {
+                if walled.face().distance(&self.problem.domain, x) < cutoff {
                     images.extend(before.iter().map(|image| {
                         let mut image = *image;
-                        image[axis] = Some(walled.face);
+                        image[axis] = Some(walled.face());
                         image
                     }));
                 }
@@ -253,7 +226,7 @@ impl<'a> Fold<'a> {
             let [from, to] = [a, b].map(|particle| face.distance(domain, position[particle]));
             let share = if from + to > 0.0 { from / (from + to) } else { 0.5 };
             let crossing = self.inside(face.foot(domain, position[a] + share * to_ghost), image);
-            let walled = self.faces.iter().find(|walled| walled.face == face)?;
+            let walled = self.faces.iter().find(|walled| walled.face() == face)?;
             let (index, wall) = walled.at(crossing)?;
             let mirror = |distance| wall.condition.mirror(conductivity, distance, crossing);
             let (of_neighbor, of_row) = (mirror(to)?, mirror(from)?);

@@ -3,7 +3,9 @@ use glam::DVec3;
 use super::*;
 use crate::model::operator::rows::{Rows, assemble, cell_grid, wall_fold};
 use crate::model::scenes::{Noise, lattice};
-use crate::model::{Correction, KernelKind, Material, PairMean, Region, ScalarField, WallKind};
+use crate::model::{
+    Correction, KernelKind, Material, PairMean, Region, ScalarField, Wall, WallKind,
+};
 
 /// Value and gradient of the linear field of these tests.
 const OFFSET: f64 = 4.0;
@@ -36,10 +38,6 @@ fn satisfied(kind: WallKind, face: Face, conductivity: f64) -> Condition {
     }
 }
 
-fn faces(dimension: usize) -> Vec<Face> {
-    (0..dimension).flat_map(|axis| [false, true].map(|upper| Face { axis, upper })).collect()
-}
-
 fn wall(face: Face, condition: Condition) -> Wall {
     Wall { name: "wall".into(), face, covers: None, condition }
 }
@@ -49,7 +47,7 @@ fn walled(kernel: KernelKind, dimension: usize, support_ratio: f64, kind: WallKi
     let counts = std::array::from_fn(|axis| if axis < dimension { 8 - axis } else { 1 });
     let mut problem = lattice(kernel, dimension, counts, 0.25, support_ratio);
     problem.walls =
-        faces(dimension).into_iter().map(|face| wall(face, satisfied(kind, face, 1.0))).collect();
+        Face::all(dimension).map(|face| wall(face, satisfied(kind, face, 1.0))).collect();
     problem
 }
 
@@ -215,7 +213,7 @@ fn a_flux_enters_in_full_in_every_scene_materials_and_correction_included() {
 fn patchwork(kernel: KernelKind, support_ratio: f64, kinds: &[WallKind]) -> Problem {
     let mut problem = walled(kernel, 2, support_ratio, WallKind::Insulated);
     problem.walls.clear();
-    for (k, face) in faces(2).into_iter().enumerate() {
+    for (k, face) in Face::all(2).enumerate() {
         let along = 1 - face.axis;
         for part in 0..3 {
             let covers = Region::new(move |x| (x[along] / 0.6).floor() as i64 == part);

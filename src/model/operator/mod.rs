@@ -12,5 +12,5 @@ mod wall_rows;
 mod weight;
 
 pub use pair_mean::PairMean;
-pub use wall_rows::WallRows;
+pub use wall_rows::{WallNeeds, WallRows};
 pub use weight::{Correction, PairWeight};

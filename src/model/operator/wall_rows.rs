@@ -5,7 +5,35 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::fold::{RowFold, Term};
-use crate::model::{Problem, ScalarField};
+use crate::model::{Condition, Problem, ScalarField, WallKind};
+
+/// What walls and surfaces ask of a run, each kind more than the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum WallNeeds {
+    /// There are none but free ones.
+    None,
+    /// Weights alone.
+    Insulated,
+    /// A diagonal and a source as well.
+    Steady,
+    /// A source that changes in time.
+    Changing,
+}
+
+impl WallNeeds {
+    /// What the walls and surfaces of `problem` ask for.
+    pub fn of(problem: &Problem) -> Self {
+        let walls = problem.walls.iter().map(|wall| &wall.condition);
+        let surfaces = problem.surfaces.iter().map(|surface| &surface.condition);
+        let of_condition = |condition: &Condition| match condition.kind {
+            WallKind::Free => Self::None,
+            WallKind::Insulated => Self::Insulated,
+            _ if condition.imposed.depends_on_time() => Self::Changing,
+            _ => Self::Steady,
+        };
+        walls.chain(surfaces).map(of_condition).max().unwrap_or(Self::None)
+    }
+}
 
 /// Diagonals and sources of rows, and what crosses the walls there.
 ///

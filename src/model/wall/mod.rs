@@ -19,11 +19,13 @@ mod free;
 mod insulated;
 mod surface;
 mod value;
+mod walled_face;
 
 use glam::DVec3;
 
 pub use condition::Condition;
 pub use surface::{Region, Surface};
+pub use walled_face::WalledFace;
 
 use super::Domain;
 
@@ -115,6 +117,11 @@ pub struct Face {
 }
 
 impl Face {
+    /// The faces of a domain of this dimension, axis by axis, the lower before the upper.
+    pub fn all(dimension: usize) -> impl Iterator<Item = Self> {
+        (0..dimension).flat_map(|axis| [false, true].map(|upper| Self { axis, upper }))
+    }
+
     /// The coordinate of the face along its axis, m.
     pub fn coordinate(self, domain: &Domain) -> f64 {
         if self.upper { domain.max[self.axis] } else { domain.min[self.axis] }
