@@ -1,6 +1,9 @@
 //! Analytic solutions of dC/dt = D laplacian C, one file a family.
 
+mod half_space;
+mod modes;
 mod point_source;
+mod side;
 mod slab;
 mod zero_flux_box;
 
@@ -9,8 +12,10 @@ use rayon::prelude::*;
 
 use crate::model::ScalarField;
 
+pub use half_space::HalfSpace;
 pub use point_source::PointSource;
-pub use slab::{HalfSpace, Slab};
+pub use side::Side;
+pub use slab::{Slab, SlabSetup};
 pub use zero_flux_box::{MassesInBox, PointSourceInBox, ZeroFluxBox};
 
 /// An analytic solution, evaluated at a position (m) and a time (s).
@@ -34,9 +39,9 @@ pub enum Solution {
     PointSourceInBox(PointSourceInBox),
     /// 2^dim equal point masses in a box that nothing leaves.
     MassesInBox(MassesInBox),
-    /// A slab between two held faces.
+    /// A slab between two plane faces.
     Slab(Slab),
-    /// A half space behind a held surface.
+    /// A half space behind a plane surface.
     HalfSpace(HalfSpace),
     /// An expression of the case file.
     Expression(ScalarField),
