@@ -5,6 +5,7 @@ mod modes;
 mod point_source;
 mod side;
 mod slab;
+mod sphere;
 mod zero_flux_box;
 
 use glam::DVec3;
@@ -16,6 +17,7 @@ pub use half_space::HalfSpace;
 pub use point_source::PointSource;
 pub use side::Side;
 pub use slab::{Slab, SlabSetup};
+pub use sphere::{Sphere, SphereSetup};
 pub use zero_flux_box::{MassesInBox, PointSourceInBox, ZeroFluxBox};
 
 /// An analytic solution, evaluated at a position (m) and a time (s).
@@ -43,6 +45,8 @@ pub enum Solution {
     Slab(Slab),
     /// A half space behind a plane surface.
     HalfSpace(HalfSpace),
+    /// A solid sphere.
+    Sphere(Sphere),
     /// An expression of the case file.
     Expression(ScalarField),
 }
@@ -58,6 +62,7 @@ impl Solution {
             Self::MassesInBox(_) => "masses_in_box",
             Self::Slab(_) => "slab",
             Self::HalfSpace(_) => "half_space",
+            Self::Sphere(_) => "sphere",
             Self::Expression(_) => "expression",
         }
     }
@@ -72,6 +77,7 @@ impl Solution {
             Self::MassesInBox(solution) => solution.at(x, t),
             Self::Slab(solution) => solution.at(x, t),
             Self::HalfSpace(solution) => solution.at(x, t),
+            Self::Sphere(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }
     }

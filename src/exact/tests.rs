@@ -2,6 +2,7 @@
 
 mod half_space;
 mod slab;
+mod sphere;
 
 use super::zero_flux_box::{cosines, images};
 use super::*;
