@@ -1,5 +1,6 @@
 //! Analytic solutions of dC/dt = D laplacian C, one file a family.
 
+mod annulus;
 mod half_space;
 mod modes;
 mod point_source;
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::model::ScalarField;
 
+pub use annulus::{Annulus, AnnulusSetup};
 pub use half_space::HalfSpace;
 pub use point_source::PointSource;
 pub use side::Side;
@@ -47,6 +49,8 @@ pub enum Solution {
     HalfSpace(HalfSpace),
     /// A solid sphere.
     Sphere(Sphere),
+    /// The space between two held circles.
+    Annulus(Annulus),
     /// An expression of the case file.
     Expression(ScalarField),
 }
@@ -63,6 +67,7 @@ impl Solution {
             Self::Slab(_) => "slab",
             Self::HalfSpace(_) => "half_space",
             Self::Sphere(_) => "sphere",
+            Self::Annulus(_) => "annulus",
             Self::Expression(_) => "expression",
         }
     }
@@ -78,6 +83,7 @@ impl Solution {
             Self::Slab(solution) => solution.at(x, t),
             Self::HalfSpace(solution) => solution.at(x, t),
             Self::Sphere(solution) => solution.at(x, t),
+            Self::Annulus(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }
     }

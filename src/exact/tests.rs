@@ -1,5 +1,6 @@
 //! Each solution against its equation, its boundary conditions, its integral and known values.
 
+mod annulus;
 mod half_space;
 mod slab;
 mod sphere;
