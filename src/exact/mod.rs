@@ -3,6 +3,7 @@
 mod annulus;
 mod half_space;
 mod modes;
+mod oscillating_slab;
 mod point_source;
 mod side;
 mod slab;
@@ -16,6 +17,7 @@ use crate::model::ScalarField;
 
 pub use annulus::{Annulus, AnnulusSetup};
 pub use half_space::HalfSpace;
+pub use oscillating_slab::{OscillatingSlab, OscillatingSlabSetup};
 pub use point_source::PointSource;
 pub use side::Side;
 pub use slab::{Slab, SlabSetup};
@@ -51,6 +53,8 @@ pub enum Solution {
     Sphere(Sphere),
     /// The space between two held circles.
     Annulus(Annulus),
+    /// A slab one face of which swings about a mean.
+    OscillatingSlab(OscillatingSlab),
     /// An expression of the case file.
     Expression(ScalarField),
 }
@@ -68,6 +72,7 @@ impl Solution {
             Self::HalfSpace(_) => "half_space",
             Self::Sphere(_) => "sphere",
             Self::Annulus(_) => "annulus",
+            Self::OscillatingSlab(_) => "oscillating_slab",
             Self::Expression(_) => "expression",
         }
     }
@@ -84,6 +89,7 @@ impl Solution {
             Self::HalfSpace(solution) => solution.at(x, t),
             Self::Sphere(solution) => solution.at(x, t),
             Self::Annulus(solution) => solution.at(x, t),
+            Self::OscillatingSlab(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }
     }

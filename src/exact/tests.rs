@@ -2,6 +2,7 @@
 
 mod annulus;
 mod half_space;
+mod oscillating_slab;
 mod slab;
 mod sphere;
 
