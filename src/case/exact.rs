@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::error::CaseError;
 use super::number::{Field, Number, Point, in_range};
 use super::schema::Axis;
-use crate::exact::{HalfSpace, MassesInBox, PointSource, PointSourceInBox, Slab, Solution};
+use crate::exact::{
+    HalfSpace, MassesInBox, PointSource, PointSourceInBox, Side, Slab, SlabSetup, Solution,
+};
 
 pub(super) use setting::Setting;
 
@@ -132,22 +134,22 @@ pub(super) fn resolve(
             let from = setting.number_or("from", from, setting.domain.min[axis])?;
             let to = setting.number_or("to", to, setting.domain.max[axis])?;
             in_range("exact.to", to, to > from, "above exact.from")?;
-            Solution::Slab(Slab {
+            Solution::Slab(Slab::new(SlabSetup {
                 axis,
                 from,
                 to,
-                left: setting.given("left", left)?,
-                right: setting.given("right", right)?,
+                left: Side::Value(setting.given("left", left)?),
+                right: Side::Value(setting.given("right", right)?),
                 initial: setting.given("initial", initial)?,
                 diffusivity: setting.diffusivity(diffusivity)?,
-            })
+            }))
         }
         ExactSpec::HalfSpace { axis, from, surface, initial, diffusivity } => {
             let axis = setting.axis(*axis)?;
             Solution::HalfSpace(HalfSpace {
                 axis,
                 from: setting.number_or("from", from, setting.domain.min[axis])?,
-                surface: setting.given("surface", surface)?,
+                surface: Side::Value(setting.given("surface", surface)?),
                 initial: setting.given("initial", initial)?,
                 diffusivity: setting.diffusivity(diffusivity)?,
             })

@@ -1,7 +1,13 @@
 //! Analytic solutions of dC/dt = D laplacian C, one file a family.
 
+mod annulus;
+mod half_space;
+mod modes;
+mod oscillating_slab;
 mod point_source;
+mod side;
 mod slab;
+mod sphere;
 mod zero_flux_box;
 
 use glam::DVec3;
@@ -9,8 +15,13 @@ use rayon::prelude::*;
 
 use crate::model::ScalarField;
 
+pub use annulus::{Annulus, AnnulusSetup};
+pub use half_space::HalfSpace;
+pub use oscillating_slab::{OscillatingSlab, OscillatingSlabSetup};
 pub use point_source::PointSource;
-pub use slab::{HalfSpace, Slab};
+pub use side::Side;
+pub use slab::{Slab, SlabSetup};
+pub use sphere::{Sphere, SphereSetup};
 pub use zero_flux_box::{MassesInBox, PointSourceInBox, ZeroFluxBox};
 
 /// An analytic solution, evaluated at a position (m) and a time (s).
@@ -34,10 +45,16 @@ pub enum Solution {
     PointSourceInBox(PointSourceInBox),
     /// 2^dim equal point masses in a box that nothing leaves.
     MassesInBox(MassesInBox),
-    /// A slab between two held faces.
+    /// A slab between two plane faces.
     Slab(Slab),
-    /// A half space behind a held surface.
+    /// A half space behind a plane surface.
     HalfSpace(HalfSpace),
+    /// A solid sphere.
+    Sphere(Sphere),
+    /// The space between two held circles.
+    Annulus(Annulus),
+    /// A slab one face of which swings about a mean.
+    OscillatingSlab(OscillatingSlab),
     /// An expression of the case file.
     Expression(ScalarField),
 }
@@ -53,6 +70,9 @@ impl Solution {
             Self::MassesInBox(_) => "masses_in_box",
             Self::Slab(_) => "slab",
             Self::HalfSpace(_) => "half_space",
+            Self::Sphere(_) => "sphere",
+            Self::Annulus(_) => "annulus",
+            Self::OscillatingSlab(_) => "oscillating_slab",
             Self::Expression(_) => "expression",
         }
     }
@@ -67,6 +87,9 @@ impl Solution {
             Self::MassesInBox(solution) => solution.at(x, t),
             Self::Slab(solution) => solution.at(x, t),
             Self::HalfSpace(solution) => solution.at(x, t),
+            Self::Sphere(solution) => solution.at(x, t),
+            Self::Annulus(solution) => solution.at(x, t),
+            Self::OscillatingSlab(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }
     }

@@ -1,5 +1,11 @@
 //! Each solution against its equation, its boundary conditions, its integral and known values.
 
+mod annulus;
+mod half_space;
+mod oscillating_slab;
+mod slab;
+mod sphere;
+
 use super::zero_flux_box::{cosines, images};
 use super::*;
 
@@ -8,18 +14,6 @@ const YEAR: f64 = 31_536_000.0;
 fn walls(dimension: usize) -> ZeroFluxBox {
     let max = DVec3::new(1.0, 1.5, 0.8);
     ZeroFluxBox { dimension, min: DVec3::ZERO, max, diffusivity: 0.3 }
-}
-
-fn rod() -> Slab {
-    Slab {
-        axis: 0,
-        from: 0.0,
-        to: 0.1,
-        left: 500.0,
-        right: 300.0,
-        initial: 300.0,
-        diffusivity: 1.28e-4,
-    }
 }
 
 /// A point whose coordinates past `dimension` are 0, as everywhere in a scene.
@@ -53,27 +47,18 @@ fn transient(dimension: usize) -> Vec<Solution> {
             at,
             separation: 0.2,
         }),
-        Solution::Slab(Slab {
-            from: 0.2,
-            to: 1.1,
-            left: 3.0,
-            right: -1.0,
-            initial: 1.0,
-            diffusivity: 0.3,
-            axis: 0,
-        }),
-        Solution::HalfSpace(HalfSpace {
-            axis: 0,
-            from: 0.2,
-            surface: 3.0,
-            initial: 1.0,
-            diffusivity: 0.3,
-        }),
     ]
 }
 
-/// |dC/dt - D laplacian C| over |dC/dt| + D |laplacian C|, by fourth-order differences.
-fn residual(solution: &Solution, dimension: usize, diffusivity: f64, x: DVec3, t: f64) -> f64 {
+/// |dC/dt - D laplacian C| over |dC/dt| + |D laplacian C|, the greatest of each at the points, by
+/// fourth-order differences.
+fn residual(
+    solution: &Solution,
+    dimension: usize,
+    diffusivity: f64,
+    points: &[DVec3],
+    (t, time_step): (f64, f64),
+) -> f64 {
     let step = 2e-3;
     let first = |f: &dyn Fn(f64) -> f64, h: f64| {
         (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
@@ -81,12 +66,54 @@ fn residual(solution: &Solution, dimension: usize, diffusivity: f64, x: DVec3, t
     let second = |f: &dyn Fn(f64) -> f64, h: f64| {
         (16.0 * (f(h) + f(-h)) - (f(2.0 * h) + f(-2.0 * h)) - 30.0 * f(0.0)) / (12.0 * h * h)
     };
-    let rate = first(&|s| solution.at(x, t + s), 1e-2 * t);
-    let laplacian: f64 = (0..dimension)
-        .map(|axis| second(&|s| solution.at(x + s * DVec3::AXES[axis], t), step))
-        .sum();
-    let spread = diffusivity * laplacian;
-    (rate - spread).abs() / (rate.abs() + spread.abs())
+    let (mut difference, mut size) = (0.0f64, 0.0f64);
+    for &x in points {
+        let rate = first(&|s| solution.at(x, t + s), time_step);
+        let laplacian: f64 = (0..dimension)
+            .map(|axis| second(&|s| solution.at(x + s * DVec3::AXES[axis], t), step))
+            .sum();
+        let spread = diffusivity * laplacian;
+        difference = difference.max((rate - spread).abs());
+        size = size.max(rate.abs() + spread.abs());
+    }
+    difference / size
+}
+
+/// How far `solution` is from what `side` asks for at `face` and `t`; `out` is a unit normal.
+fn broken(
+    solution: &Solution,
+    side: Side,
+    diffusivity: f64,
+    (face, out): (DVec3, DVec3),
+    t: f64,
+) -> f64 {
+    let step = 2e-4;
+    let at = |n: f64| solution.at(face - n * step * out, t);
+    let inward = -25.0 * at(0.0) + 48.0 * at(1.0) - 36.0 * at(2.0) + 16.0 * at(3.0) - 3.0 * at(4.0);
+    let flux = -diffusivity * inward / (12.0 * step);
+    match side {
+        Side::Value(value) => at(0.0) - value,
+        Side::Flux(given) => flux - given,
+        Side::Convection { coefficient, ambient } => flux - coefficient * (ambient - at(0.0)),
+    }
+    .abs()
+}
+
+/// What an error of a condition is measured by: the coefficient multiplies that of the value.
+fn side_scale(side: Side) -> f64 {
+    if let Side::Convection { coefficient, .. } = side { coefficient.max(1.0) } else { 1.0 }
+}
+
+/// The integral of `f` from `from` to `to` by Simpson's rule.
+fn integral(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    let n = 2000;
+    let step = (to - from) / f64::from(n);
+    let weight = |i: i32| if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+    (0..=n).map(|i| weight(i) * f(from + f64::from(i) * step)).sum::<f64>() * step / 3.0
+}
+
+fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{found}, expected {expected}");
 }
 
 #[test]
@@ -95,10 +122,11 @@ fn solutions_satisfy_the_equation() {
         let x = point(dimension, [0.42, 0.71, 0.37]);
         for solution in transient(dimension) {
             for t in [0.02, 0.11, 0.9] {
-                let found = residual(&solution, dimension, 0.3, x, t);
+                let found = residual(&solution, dimension, 0.3, &[x], (t, 1e-2 * t));
                 assert!(found < 1e-5, "{} {dimension}-D t = {t}: {found}", solution.name());
                 // Negative control: another diffusivity does not satisfy it.
-                assert!(residual(&solution, dimension, 0.33, x, t) > 1e-2, "{}", solution.name());
+                let wrong = residual(&solution, dimension, 0.33, &[x], (t, 1e-2 * t));
+                assert!(wrong > 1e-2, "{}", solution.name());
             }
         }
     }
@@ -145,10 +173,6 @@ fn the_two_forms_agree() {
             let ratio = images(x, mass, time) / cosines(x, mass, time);
             assert!((ratio - 1.0).abs() < 1e-13, "{time} {x} {mass}: {ratio}");
         }
-        for place in [0.1, 0.5, 0.93] {
-            let (short, long) = (rod().reflections(place, time), rod().sines(place, time));
-            assert!((short - long).abs() < 1e-11, "{time} {place}: {short} {long}");
-        }
     }
 }
 
@@ -158,14 +182,10 @@ fn short_times_are_accurate() {
     let far = images(0.9, 0.1, 0.16 / 100.0 * 0.25);
     let alone = (-0.64f64 / (4.0 * 4e-4)).exp() / (4.0 * std::f64::consts::PI * 4e-4).sqrt();
     assert!((far / alone - 1.0).abs() < 1e-10, "{far} {alone}");
-    assert_eq!(rod().at(DVec3::splat(0.05), 1e-9), 300.0);
 }
 
 #[test]
 fn known_values() {
-    let close = |found: f64, expected: f64, tolerance: f64| {
-        assert!((found - expected).abs() < tolerance, "{found}, expected {expected}");
-    };
     let at = DVec3::splat(25.0);
     let x = DVec3::splat(25.25);
     let diffusivity = 15.0 / YEAR;
@@ -174,9 +194,6 @@ fn known_values() {
     let walls = ZeroFluxBox { dimension: 3, min: DVec3::ZERO, max: 2.0 * at, diffusivity };
     let masses = MassesInBox { walls, amount: 1000.0, at, separation: 0.5 };
     close(masses.at(x, 2.0 * YEAR), 0.13619051, 5e-9);
-    for (x, expected) in [(0.01, 431.7062733), (0.02, 375.3518236), (0.05, 305.4250772)] {
-        close(rod().at(DVec3::splat(x), 2.0), expected, 5e-8);
-    }
 }
 
 #[test]
@@ -187,16 +204,6 @@ fn ends_of_time_and_space() {
     }
     let source = &transient(3)[0];
     assert_eq!(source.at(DVec3::new(0.3, 0.6, 0.5), 0.0), f64::INFINITY);
-    for t in [0.0, 0.1, 2.0, 1e6] {
-        assert_eq!(rod().at(DVec3::ZERO, t), 500.0);
-        assert_eq!(rod().at(DVec3::splat(0.1), t), 300.0);
-        assert_eq!(rod().at(DVec3::splat(0.2), t), 300.0);
-    }
-    assert_eq!(rod().at(DVec3::splat(0.05), 0.0), 300.0);
-    assert!((rod().at(DVec3::splat(0.025), 1e6) - 450.0).abs() < 1e-12);
-    let half = &transient(1)[4];
-    assert_eq!(half.at(DVec3::splat(0.2), 3.0), 3.0);
-    assert_eq!(half.at(DVec3::splat(0.5), 0.0), 1.0);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::point_source::at_start;
 
 /// D t / L^2 at which the two forms need equally many terms, about five.
-pub(super) const SWITCH: f64 = 1.0 / (2.0 * PI);
+const SWITCH: f64 = 1.0 / (2.0 * PI);
 
 /// Terms below exp(-this) of the sum are left out: 4e-18.
 pub(super) const NEGLIGIBLE_EXPONENT: f64 = 40.0;
