@@ -6,6 +6,7 @@ mod good;
 mod limits;
 mod shape;
 mod shipped;
+mod surface;
 
 use serde_json::{Value, json};
 
