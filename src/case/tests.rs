@@ -7,6 +7,8 @@ mod limits;
 mod shape;
 mod shipped;
 mod surface;
+mod wall;
+mod wall_errors;
 
 use serde_json::{Value, json};
 
