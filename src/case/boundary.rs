@@ -3,8 +3,9 @@
 use super::error::CaseError;
 use super::fill::TOLERANCE;
 use super::number::{AXES, Evaluator, show};
-use super::schema::{Axis, BoundarySpec, Face};
+use super::schema::{Axis, BoundarySpec};
 use super::shape::Shape;
+use super::wall::check_faces;
 use crate::model::Particles;
 
 /// Indices of the particles in a shape, ascending.
@@ -47,33 +48,8 @@ pub(super) fn periodic(
             periodic[axis] = true;
         }
     }
-    check_walls(boundaries, dimension, periodic)?;
+    check_faces(boundaries, dimension, periodic)?;
     Ok(periodic)
-}
-
-fn check_walls(
-    boundaries: &[BoundarySpec],
-    dimension: usize,
-    periodic: [bool; 3],
-) -> Result<(), CaseError> {
-    let mut seen = Vec::new();
-    for (index, boundary) in boundaries.iter().enumerate() {
-        // Free is the only kind, and what an unlisted face is: nothing to pass on.
-        let BoundarySpec::Wall { face, kind: _ } = boundary else {
-            continue;
-        };
-        let path = format!("boundaries[{index}].wall.face");
-        let axis = axis_index(face.axis(), &path, dimension)?;
-        if periodic[axis] {
-            let reason = format!("the axis {} is periodic", AXES[axis]);
-            return Err(CaseError::UnusedKey { path, reason });
-        }
-        if seen.contains(face) {
-            return Err(CaseError::Duplicate { path, text: face.name().to_owned() });
-        }
-        seen.push(*face);
-    }
-    Ok(())
 }
 
 /// Particles that are held, ascending; their values are written to `initial`.
@@ -121,25 +97,4 @@ pub(super) fn axis_index(axis: Axis, path: &str, dimension: usize) -> Result<usi
         nearest: Vec::new(),
         known: AXES[..dimension].iter().map(|&name| name.to_owned()).collect(),
     })
-}
-
-impl Face {
-    fn axis(self) -> Axis {
-        match self {
-            Self::XMin | Self::XMax => Axis::X,
-            Self::YMin | Self::YMax => Axis::Y,
-            Self::ZMin | Self::ZMax => Axis::Z,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::XMin => "x_min",
-            Self::XMax => "x_max",
-            Self::YMin => "y_min",
-            Self::YMax => "y_max",
-            Self::ZMin => "z_min",
-            Self::ZMax => "z_max",
-        }
-    }
 }

@@ -11,6 +11,7 @@ use super::initial::{Ground, Initial, resolve as resolve_initial};
 use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
 use super::schema::{Case, MaterialSpec};
+use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
 use crate::model::{
@@ -46,6 +47,14 @@ fn problem(
     let materials = materials(case, &evaluator)?;
     let (domain, particles) = particles(case, &evaluator, spacing, warnings)?;
     let kernel = kernel(case, &evaluator, spacing, &domain)?;
+    let body = Body {
+        evaluator: &evaluator,
+        domain: &domain,
+        spacing,
+        kernel: &kernel,
+        particles: &particles,
+    };
+    let (walls, surfaces) = resolve_walls(&case.boundaries, &body)?;
     let (pair_mean, correction) = operator(case)?;
     let ground = Ground { evaluator: &evaluator, domain: &domain, spacing, particles: &particles };
     let mut initial = resolve_initial(&case.initial, &ground)?;
@@ -72,8 +81,8 @@ fn problem(
         correction,
         initial: initial.value,
         held,
-        walls: Vec::new(),
-        surfaces: Vec::new(),
+        walls,
+        surfaces,
         time,
     };
     Ok((problem, exact))

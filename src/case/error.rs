@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::wall::WallError;
+
 /// What is wrong with a case, in one line that names the JSON path.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
@@ -260,6 +262,9 @@ pub enum CaseError {
         /// Why the scene does not give it.
         reason: String,
     },
+    /// A wall or a surface that does not fit.
+    #[error(transparent)]
+    Wall(#[from] WallError),
 }
 
 fn at(path: &str) -> String {

@@ -32,6 +32,9 @@ const FUNCTIONS_OF_TWO: [&str; 3] = ["atan2", "max", "min"];
 /// Time and the coordinates, in alphabetical order: the library takes their values in that order.
 const VARIABLES: [&str; 4] = ["t", "x", "y", "z"];
 
+/// Index of time among the [`VARIABLES`].
+const TIME: usize = 0;
+
 /// Every function that an expression may call, for messages and the schema.
 pub(super) fn function_names() -> String {
     [FUNCTIONS.as_slice(), &FUNCTIONS_OF_TWO].concat().join(" ")
@@ -124,5 +127,15 @@ impl Expression {
     /// The value, if it depends on neither position nor time.
     pub(super) fn constant(&self) -> Option<f64> {
         self.constant
+    }
+
+    /// Whether the value may differ from place to place.
+    pub(super) fn depends_on_position(&self) -> bool {
+        self.variables.iter().any(|&variable| variable != TIME)
+    }
+
+    /// Whether the value may change in time.
+    pub(super) fn depends_on_time(&self) -> bool {
+        self.variables.contains(&TIME)
     }
 }

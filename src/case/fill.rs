@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn memory_that_is_not_there_is_an_error() {
         let bounds = (DVec3::ZERO, DVec3::ONE);
-        let shape = Shape::Box { min: bounds.0, max: bounds.1 };
+        let shape = Shape::Box { min: bounds.0, max: bounds.1, dimension: 3 };
         let fill = Fill { path: "particles.fill[0]".to_owned(), shape, bounds, material: 0 };
         let mut particles = Particles::default();
         let error = reserve(&mut particles, &fill, usize::MAX / 1000).expect_err("no memory");

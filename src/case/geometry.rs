@@ -6,7 +6,8 @@ use super::fill::{Fill, Lattice};
 use super::number::{AXES, Evaluator};
 use super::schema::{Case, FillSpec};
 use super::shape::ShapeSpec;
-use crate::model::{Domain, Particles};
+use super::wall::{face_name, walled_faces};
+use crate::model::{Domain, Face, Particles};
 
 /// Relative error below which a length counts as a whole number of spacings, and a support as no
 /// wider than half an axis.
@@ -53,7 +54,8 @@ fn fills(case: &Case, evaluator: &Evaluator) -> Result<Vec<Fill>, CaseError> {
     case.particles.fill.iter().enumerate().map(fill).collect()
 }
 
-/// Periodic axes must be whole multiples of the spacing; a box that is not one is worth a warning.
+/// Periodic axes must be whole multiples of the spacing; a box that is not one is worth a warning,
+/// and so is a walled axis.
 fn check_whole(
     case: &Case,
     dimension: usize,
@@ -64,8 +66,9 @@ fn check_whole(
 ) -> Result<(), CaseError> {
     let whole = |extent: f64| {
         let count = extent / spacing;
-        (count - count.round()).abs() <= WHOLE * count.max(1.0)
+        (count - count.round()).abs() <= WHOLE * count.abs().max(1.0)
     };
+    let faces = walled_faces(&case.boundaries);
     for (axis, &name) in AXES.iter().enumerate().take(dimension) {
         let extent = domain.extent()[axis];
         if domain.periodic[axis] && !whole(extent) {
@@ -73,17 +76,39 @@ fn check_whole(
             let path = "particles.spacing".to_owned();
             return Err(CaseError::NotWhole { path, spacing, axis: name, extent, fits });
         }
+        // Next to a face between the lattice's cells, particles are not half a spacing away.
+        let between = |face: &&Face| {
+            face.axis == axis && !whole(face.coordinate(domain) - fills[0].bounds.0[axis])
+        };
+        let consequence = consequence(faces.iter().filter(between));
+        let odd = |path: &str, extent: f64| {
+            format!(
+                "{path}: its {extent} m along {name} are no whole number of spacings of {spacing} \
+                 m{consequence}"
+            )
+        };
+        let before = warnings.len();
         for (fill, spec) in fills.iter().zip(&case.particles.fill) {
             let extent = (fill.bounds.1 - fill.bounds.0)[axis];
             let is_box = matches!(spec.shape, ShapeSpec::Box { .. });
             if is_box && !domain.periodic[axis] && !whole(extent) {
-                warnings.push(format!(
-                    "{}.shape.box: its {extent} m along {} are no whole number of spacings of \
-                     {spacing} m",
-                    fill.path, name
-                ));
+                warnings.push(odd(&format!("{}.shape.box", fill.path), extent));
             }
+        }
+        if warnings.len() == before && !consequence.is_empty() {
+            warnings.push(odd("particles.fill", extent));
         }
     }
     Ok(())
+}
+
+/// What walled faces between the cells of the lattice mean, for a warning; empty without any.
+fn consequence<'a>(faces: impl Iterator<Item = &'a Face>) -> String {
+    let mut names: Vec<String> = faces.map(|&face| face_name(face)).collect();
+    names.sort();
+    names.dedup();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!("; next to the wall on {} the accuracy drops to first order", names.join(" and "))
 }

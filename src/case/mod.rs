@@ -19,6 +19,7 @@ mod schema;
 mod shape;
 mod shipped;
 mod unused;
+mod wall;
 
 use std::path::Path;
 
@@ -32,6 +33,7 @@ pub use error::CaseError;
 pub use overrides::Override;
 pub use schema::schema;
 pub use shipped::{shipped, shipped_text};
+pub use wall::WallError;
 
 /// A case ready to run.
 #[derive(Clone, Debug)]

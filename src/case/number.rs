@@ -145,11 +145,15 @@ impl Evaluator {
             Value::String(text) => {
                 let expression = self.parse(path, text, dependence)?;
                 let constant = expression.constant();
-                (ScalarField::new(text.as_str(), move |x, t| expression.eval(x, t)), constant)
+                let (position, time) =
+                    (expression.depends_on_position(), expression.depends_on_time());
+                let scalar = ScalarField::new(text.as_str(), move |x, t| expression.eval(x, t));
+                (scalar.depending_on(position, time), constant)
             }
             other => {
                 let value = literal(path, other)?;
-                (ScalarField::new(other.to_string(), move |_, _| value), Some(value))
+                let scalar = ScalarField::new(other.to_string(), move |_, _| value);
+                (scalar.depending_on(false, false), Some(value))
             }
         };
         if let Some(value) = constant {
@@ -225,7 +229,8 @@ impl Evaluator {
 pub(super) struct Field {
     /// The function.
     pub(super) scalar: ScalarField,
-    constant: Option<f64>,
+    /// The value, if it depends on neither position nor time.
+    pub(super) constant: Option<f64>,
     source: Source,
 }
 
@@ -236,6 +241,11 @@ struct Source {
 }
 
 impl Field {
+    /// Where it stands in the case file.
+    pub(super) fn path(&self) -> &str {
+        &self.source.path
+    }
+
     /// The value at `x` (m) and `t` (s), which must be finite.
     pub(super) fn at(&self, x: DVec3, t: f64) -> Result<f64, CaseError> {
         if let Some(value) = self.constant {

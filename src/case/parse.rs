@@ -57,6 +57,23 @@ fn explain(json: &Value, path: &str, message: &str) -> CaseError {
         let path = if tagged { join(path, "name") } else { path.to_owned() };
         return CaseError::UnknownName { path, text: first, nearest, known };
     }
+    wrong_type(path, message)
+}
+
+/// A value of the wrong type. A name that stands alone where it must be the key of an object, and
+/// one that is a key where it must stand alone, are known to serde by the path of that key.
+fn wrong_type(path: &str, message: &str) -> CaseError {
+    if let Some((parent, name)) = path.rsplit_once('.') {
+        let path = parent.to_owned();
+        if message.starts_with("invalid type: unit variant") {
+            let reason = format!("\"{name}\" cannot stand alone: write {{\"{name}\": ...}}");
+            return CaseError::WrongType { path, reason };
+        }
+        if message.ends_with("expected unit") {
+            let reason = format!("\"{name}\" takes nothing: write \"{name}\"");
+            return CaseError::WrongType { path, reason };
+        }
+    }
     let path = if path.is_empty() { "case" } else { path }.to_owned();
     CaseError::WrongType { path, reason: message.replace('`', "") }
 }

@@ -11,6 +11,7 @@ use super::OutputField;
 use super::exact::ExactSpec;
 use super::number::{Number, Point};
 use super::shape::ShapeSpec;
+use super::wall::{SurfaceSpec, WallSpec};
 use crate::model::integrator::Method;
 use crate::model::{Correction, KernelKind, PairMean};
 
@@ -36,7 +37,7 @@ pub(super) struct Case {
     /// Values at t = 0, which are 0 where no entry says otherwise.
     #[serde(default)]
     pub(super) initial: Vec<InitialSpec>,
-    /// Held particles, periodic axes and walls. Faces that are not listed are free.
+    /// Held particles, periodic axes, walls and surfaces. Faces that are not listed are free.
     #[serde(default)]
     pub(super) boundaries: Vec<BoundarySpec>,
     pub(super) time: TimeSpec,
@@ -157,7 +158,9 @@ pub(super) enum BoundarySpec {
     /// Axes on which the domain repeats.
     Periodic { axes: Vec<Axis> },
     /// A wall on a face of the domain.
-    Wall { face: Face, kind: WallKind },
+    Wall(WallSpec),
+    /// A surface of the body that is no face of the domain.
+    Surface(SurfaceSpec),
 }
 
 /// An axis.
@@ -167,25 +170,6 @@ pub(super) enum Axis {
     X,
     Y,
     Z,
-}
-
-/// A face of the domain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Face {
-    XMin,
-    XMax,
-    YMin,
-    YMax,
-    ZMin,
-    ZMax,
-}
-
-/// What a wall does: `free` leaves the support truncated, so that nothing crosses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum WallKind {
-    Free,
 }
 
 /// Duration, step and method.

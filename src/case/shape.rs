@@ -1,4 +1,6 @@
-//! Shapes: what is filled, and what selects particles.
+//! Shapes: what is filled, what selects particles, and where surfaces lie.
+
+mod surface;
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -44,6 +46,7 @@ pub(super) enum Shape {
     Box {
         min: DVec3,
         max: DVec3,
+        dimension: usize,
     },
     Cylinder {
         from: DVec3,
@@ -78,7 +81,7 @@ impl ShapeSpec {
                 let (min, max) = (point("box.min", min)?, point("box.max", max)?);
                 let ordered = min.cmple(max).all();
                 demand(ordered, path, "box.min must not exceed box.max on any axis")?;
-                Ok(Shape::Box { min, max })
+                Ok(Shape::Box { min, max, dimension: evaluator.dimension })
             }
             Self::Sphere { center, radius } => {
                 let center = point("sphere.center", center)?;
@@ -145,11 +148,12 @@ fn resolve_all(
 }
 
 impl Shape {
-    /// Whether `x` lies in the shape or within `tolerance` (m) of it.
+    /// Whether `x` lies in the shape or within `tolerance` (m) of it; with a negative one, whether
+    /// it lies that deep in the shape. The cuts of a difference have the same tolerance.
     pub(super) fn contains(&self, x: DVec3, tolerance: f64) -> bool {
         match self {
-            Self::Box { min, max } => {
-                let tolerance = DVec3::splat(tolerance);
+            Self::Box { min, max, dimension } => {
+                let tolerance = uniform(tolerance, *dimension);
                 x.cmpge(*min - tolerance).all() && x.cmple(*max + tolerance).all()
             }
             Self::Cylinder { from, to, radius } => {
@@ -174,7 +178,7 @@ impl Shape {
     /// Lower and upper corner of a box around the shape; `None` where it has no bounds.
     pub(super) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         match self {
-            Self::Box { min, max } => Some((*min, *max)),
+            Self::Box { min, max, .. } => Some((*min, *max)),
             Self::Cylinder { from, to, radius } => {
                 let direction = (*to - *from).normalize();
                 // The rim of an end reaches radius sin(angle) along an axis.
@@ -183,10 +187,7 @@ impl Shape {
                 Some((from.min(*to) - reach, from.max(*to) + reach))
             }
             Self::Shell { center, outer_radius, dimension, .. } => {
-                let mut reach = DVec3::ZERO;
-                for axis in 0..*dimension {
-                    reach[axis] = *outer_radius;
-                }
+                let reach = uniform(*outer_radius, *dimension);
                 Some((*center - reach, *center + reach))
             }
             Self::HalfSpace { .. } => None,
@@ -200,4 +201,10 @@ impl Shape {
             Self::Difference { of, .. } => of.bounds(),
         }
     }
+}
+
+/// The vector of the same number on each axis up to the dimension, and 0 past it.
+fn uniform(value: f64, dimension: usize) -> DVec3 {
+    let component = |axis| if axis < dimension { value } else { 0.0 };
+    DVec3::from_array([0, 1, 2].map(component))
 }

@@ -6,6 +6,9 @@ mod good;
 mod limits;
 mod shape;
 mod shipped;
+mod surface;
+mod wall;
+mod wall_errors;
 
 use serde_json::{Value, json};
 

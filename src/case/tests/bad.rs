@@ -122,28 +122,6 @@ const BAD: &[(&[&str], &str)] = &[
         "kernel.support_ratio: the support radius of 1.05 m is more than half of the periodic",
     ),
     (
-        &["boundaries=[{\"wall\":{\"face\":\"z_min\",\"kind\":\"free\"}}]"],
-        "boundaries[0].wall.face: unknown name \"z\"",
-    ),
-    (
-        &["boundaries=[{\"wall\":{\"face\":\"x_mn\",\"kind\":\"free\"}}]"],
-        "boundaries[0].wall.face: unknown name \"x_mn\"; did you mean \"x_min\"?",
-    ),
-    (
-        &["boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"fre\"}}]"],
-        "boundaries[0].wall.kind: unknown name \"fre\"; did you mean \"free\"?",
-    ),
-    (
-        &["boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},\
-           {\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}}]"],
-        "boundaries[1].wall.face: \"x_min\" is given twice",
-    ),
-    (
-        &["boundaries=[{\"wall\":{\"face\":\"x_min\",\"kind\":\"free\"}},\
-           {\"periodic\":{\"axes\":[\"x\"]}}]"],
-        "boundaries[0].wall.face: not used: the axis x is periodic",
-    ),
-    (
         &["probes=[{\"name\":\"p\",\"at\":[1,1]},{\"name\":\"p\",\"at\":[2,1]}]"],
         "probes[1].name: \"p\" is given twice",
     ),
