@@ -66,6 +66,7 @@ fn problem(
         domain: &domain,
         spacing,
         materials: &materials,
+        walls: &walls,
         deposits: &initial.deposits,
     };
     let exact = solution(case, &setting, &particles.position, time.end)?;

@@ -1,17 +1,16 @@
 //! The `exact` section: an analytic solution whose parameters default to what the scene says.
 
+mod bodies;
 mod setting;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::CaseError;
-use super::number::{Field, Number, Point, in_range};
-use super::schema::Axis;
-use crate::exact::{
-    HalfSpace, MassesInBox, PointSource, PointSourceInBox, Side, Slab, SlabSetup, Solution,
-};
+use super::number::{Field, Number, Point};
+use crate::exact::{MassesInBox, PointSource, PointSourceInBox, Solution};
 
+use bodies::{AnnulusSpec, HalfSpaceSpec, OscillatingSlabSpec, SlabSpec, SphereSpec};
 pub(super) use setting::Setting;
 
 /// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
@@ -69,32 +68,16 @@ pub(super) enum ExactSpec {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diffusivity: Option<Number>,
     },
-    /// A slab between two held faces, from a uniform initial value.
-    Slab {
-        axis: Axis,
-        /// Coordinate of the left face, m; the domain's where absent.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        from: Option<Number>,
-        /// Coordinate of the right face, m; the domain's where absent.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        to: Option<Number>,
-        left: Number,
-        right: Number,
-        initial: Number,
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        diffusivity: Option<Number>,
-    },
-    /// A body without end on the far side of a held surface, from a uniform initial value.
-    HalfSpace {
-        axis: Axis,
-        /// Coordinate of the surface, m; the domain's lower face where absent.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        from: Option<Number>,
-        surface: Number,
-        initial: Number,
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        diffusivity: Option<Number>,
-    },
+    /// A slab between two plane faces, from a uniform initial value.
+    Slab(SlabSpec),
+    /// A body without end on the far side of a plane surface, from a uniform initial value.
+    HalfSpace(HalfSpaceSpec),
+    /// A solid sphere, from a uniform initial value.
+    Sphere(SphereSpec),
+    /// What lies between two concentric circles that are held, from a uniform initial value.
+    Annulus(AnnulusSpec),
+    /// A slab whose left face swings, from a uniform initial value.
+    OscillatingSlab(OscillatingSlabSpec),
     /// An expression of x y z t.
     Expression { value: Number },
 }
@@ -129,31 +112,11 @@ pub(super) fn resolve(
             let walls = setting.walls(min, max, diffusivity)?;
             Solution::MassesInBox(MassesInBox { walls, amount, at, separation })
         }
-        ExactSpec::Slab { axis, from, to, left, right, initial, diffusivity } => {
-            let axis = setting.axis(*axis)?;
-            let from = setting.number_or("from", from, setting.domain.min[axis])?;
-            let to = setting.number_or("to", to, setting.domain.max[axis])?;
-            in_range("exact.to", to, to > from, "above exact.from")?;
-            Solution::Slab(Slab::new(SlabSetup {
-                axis,
-                from,
-                to,
-                left: Side::Value(setting.given("left", left)?),
-                right: Side::Value(setting.given("right", right)?),
-                initial: setting.given("initial", initial)?,
-                diffusivity: setting.diffusivity(diffusivity)?,
-            }))
-        }
-        ExactSpec::HalfSpace { axis, from, surface, initial, diffusivity } => {
-            let axis = setting.axis(*axis)?;
-            Solution::HalfSpace(HalfSpace {
-                axis,
-                from: setting.number_or("from", from, setting.domain.min[axis])?,
-                surface: Side::Value(setting.given("surface", surface)?),
-                initial: setting.given("initial", initial)?,
-                diffusivity: setting.diffusivity(diffusivity)?,
-            })
-        }
+        ExactSpec::Slab(spec) => Solution::Slab(spec.resolve(setting)?),
+        ExactSpec::HalfSpace(spec) => Solution::HalfSpace(spec.resolve(setting)?),
+        ExactSpec::Sphere(spec) => Solution::Sphere(spec.resolve(setting)?),
+        ExactSpec::Annulus(spec) => Solution::Annulus(spec.resolve(setting)?),
+        ExactSpec::OscillatingSlab(spec) => Solution::OscillatingSlab(spec.resolve(setting)?),
         ExactSpec::Expression { value } => {
             let field = setting.evaluator.field_in_time("exact.value", value)?;
             return Ok((Solution::Expression(field.scalar.clone()), Some(field)));

@@ -6,7 +6,7 @@ use super::fill::{Fill, Lattice};
 use super::number::{AXES, Evaluator};
 use super::schema::{Case, FillSpec};
 use super::shape::ShapeSpec;
-use super::wall::{face_name, walled_faces};
+use super::wall::walled_faces;
 use crate::model::{Domain, Face, Particles};
 
 /// Relative error below which a length counts as a whole number of spacings, and a support as no
@@ -104,7 +104,7 @@ fn check_whole(
 
 /// What walled faces between the cells of the lattice mean, for a warning; empty without any.
 fn consequence<'a>(faces: impl Iterator<Item = &'a Face>) -> String {
-    let mut names: Vec<String> = faces.map(|&face| face_name(face)).collect();
+    let mut names: Vec<String> = faces.map(|&face| face.name().to_owned()).collect();
     names.sort();
     names.dedup();
     if names.is_empty() {

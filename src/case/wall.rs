@@ -17,8 +17,8 @@ use super::shape::ShapeSpec;
 use crate::model::{Domain, Face, Kernel, Particles, Region, Surface, Wall, WallKind};
 
 pub use error::WallError;
-pub(super) use face::{FaceSpec, check_faces, face_name};
-pub(super) use kind::WallKindSpec;
+pub(super) use face::{FaceSpec, check_faces};
+pub(super) use kind::{ConvectionSpec, WallKindSpec};
 
 /// A wall on faces of the domain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -8,6 +8,7 @@ use super::arguments::{CaseArguments, MachineArguments};
 use super::{CliError, print};
 use crate::case::Scene;
 use crate::model::integrator::Schedule;
+use crate::model::{Problem, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
 use crate::solver::Machine;
 use crate::study::{self, Prepared};
@@ -45,7 +46,7 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
     let steps = Schedule::new(&problem.time, step.dt).total_steps();
     let held = problem.held.len() as u64;
     let neighbors = survey.entries as f64 / particles.max(1) as f64;
-    let lines = [
+    let mut lines = vec![
         ("case", format!("{}: {}", scene.name, scene.title)),
         (
             "particles",
@@ -82,6 +83,14 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
         ),
         ("passes", plan.passes(problem).join(", ")),
     ];
+    if !(problem.walls.is_empty() && problem.surfaces.is_empty()) {
+        let matrix = match survey.symmetric {
+            true => "symmetric",
+            false => "not symmetric: convection reaches past the first layer of particles",
+        };
+        lines.insert(3, ("walls", walls(problem)));
+        lines.insert(4, ("matrix", matrix.to_owned()));
+    }
     let mut text = String::new();
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<11}{value}");
@@ -99,4 +108,15 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
         let _ = writeln!(text, "warning    {warning}");
     }
     text
+}
+
+/// The walls and surfaces of a scene in a line.
+fn walls(problem: &Problem) -> String {
+    let wall = |wall: &Wall| {
+        let part = if wall.covers.is_some() { " (part)" } else { "" };
+        format!("{}{part} {}", wall.face.name(), wall.condition.kind.name())
+    };
+    let surface = |surface: &Surface| format!("surface {}", surface.condition.kind.name());
+    let walls = problem.walls.iter().map(wall);
+    walls.chain(problem.surfaces.iter().map(surface)).collect::<Vec<_>>().join(", ")
 }

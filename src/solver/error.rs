@@ -128,8 +128,8 @@ impl SolverError {
             return Ok(());
         };
         let walls = problem.walls.iter().map(|wall| &wall.name);
-        let names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
-        let wall = names.cloned().nth(index).unwrap_or_default();
+        let mut names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
+        let wall = names.nth(index).cloned().unwrap_or_default();
         let text = problem.imposed()[index].text().to_owned();
         Err(Self::WallNotFinite { wall, text, at })
     }

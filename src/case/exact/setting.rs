@@ -7,7 +7,7 @@ use crate::case::error::CaseError;
 use crate::case::number::{Evaluator, Number, Point, in_range};
 use crate::case::schema::Axis;
 use crate::exact::ZeroFluxBox;
-use crate::model::{Domain, Material};
+use crate::model::{Domain, Material, Wall};
 
 /// What the scene says about its exact solution.
 pub(in crate::case) struct Setting<'a> {
@@ -15,6 +15,7 @@ pub(in crate::case) struct Setting<'a> {
     pub(in crate::case) domain: &'a Domain,
     pub(in crate::case) spacing: f64,
     pub(in crate::case) materials: &'a [Material],
+    pub(in crate::case) walls: &'a [Wall],
     /// Amount and place of every deposit.
     pub(in crate::case) deposits: &'a [(f64, DVec3)],
 }
@@ -110,6 +111,6 @@ impl Setting<'_> {
     }
 }
 
-fn undetermined(key: &str, reason: String) -> CaseError {
+pub(super) fn undetermined(key: &str, reason: String) -> CaseError {
     CaseError::Undetermined { path: format!("exact.{key}"), reason }
 }

@@ -36,11 +36,6 @@ impl From<FaceSpec> for Face {
     }
 }
 
-/// The name of a face in case files.
-pub(in crate::case) fn face_name(face: Face) -> String {
-    format!("{}_{}", AXES[face.axis], if face.upper { "max" } else { "min" })
-}
-
 /// Refuses walls on faces that the case has not, and two that each cover all of a face.
 pub(in crate::case) fn check_faces(
     boundaries: &[BoundarySpec],
@@ -61,7 +56,9 @@ pub(in crate::case) fn check_faces(
             if let Some((_, first)) = whole.iter().find(|(other, _)| *other == face) {
                 let (path, first) =
                     (format!("{path}[{entry}]"), format!("boundaries[{first}].wall"));
-                return Err(WallError::TwoWalls { path, first, face: face_name(face) }.into());
+                return Err(
+                    WallError::TwoWalls { path, first, face: face.name().to_owned() }.into()
+                );
             }
             whole.push((face, index));
         }
@@ -83,8 +80,8 @@ fn checked(
     for (entry, &face) in wall.faces.iter().enumerate() {
         let (path, face) = (format!("{path}[{entry}]"), Face::from(face));
         if face.axis >= dimension {
-            let both = |axis| [false, true].map(|upper| face_name(Face { axis, upper }));
-            let (text, known) = (face_name(face), (0..dimension).flat_map(both).collect());
+            let both = |axis| [false, true].map(|upper| Face { axis, upper }.name().to_owned());
+            let (text, known) = (face.name().to_owned(), (0..dimension).flat_map(both).collect());
             return Err(CaseError::UnknownName { path, text, nearest: Vec::new(), known });
         }
         if periodic[face.axis] {
@@ -92,7 +89,7 @@ fn checked(
             return Err(CaseError::UnusedKey { path, reason });
         }
         if faces.contains(&face) {
-            return Err(CaseError::Duplicate { path, text: face_name(face) });
+            return Err(CaseError::Duplicate { path, text: face.name().to_owned() });
         }
         faces.push(face);
     }

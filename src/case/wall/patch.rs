@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::kind::Kind;
-use super::{Body, WallError, WallSpec, face_name};
+use super::{Body, WallError, WallSpec};
 use crate::case::error::CaseError;
 use crate::case::geometry::WHOLE;
 use crate::case::number::{AXES, show};
@@ -162,7 +162,7 @@ impl OnFace<'_> {
             return Ok(());
         }
         let (path, point) = (patch.wall.name.clone(), self.show(x));
-        Err(WallError::OnWall { path, face: face_name(self.face), point }.into())
+        Err(WallError::OnWall { path, face: self.face.name().to_owned(), point }.into())
     }
 
     fn check_overlap(&self, point: DVec3) -> Result<(), CaseError> {
@@ -171,13 +171,13 @@ impl OnFace<'_> {
             return Ok(());
         };
         let (first, second) = (first.wall.name.clone(), second.wall.name.clone());
-        let (face, point) = (face_name(self.face), self.show(point));
+        let (face, point) = (self.face.name().to_owned(), self.show(point));
         Err(WallError::TwoKinds { first, second, face, point }.into())
     }
 
     fn outside(&self, patch: &Patch) -> CaseError {
         let path = format!("{}.where", patch.wall.name);
-        let (face, axis) = (face_name(self.face), AXES[self.face.axis]);
+        let (face, axis) = (self.face.name().to_owned(), AXES[self.face.axis]);
         let coordinate = self.face.coordinate(self.body.domain);
         WallError::OutsideFace { path, face, axis, coordinate }.into()
     }

@@ -34,6 +34,9 @@ const ORDERS: [&[&[usize]]; 3] = [
 /// A particle nearer than this fraction of the spacing to a surface lies on it.
 const ON_SURFACE: f64 = 1e-9;
 
+/// Beyond this, a surface is no longer smooth within a support.
+const STRONGLY_CURVED: f64 = 0.4;
+
 /// A part of a row's source that changes in time: `coefficient` x what is imposed at `foot`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
@@ -79,6 +82,8 @@ pub struct Fold<'a> {
     problem: &'a Problem,
     weight: &'a PairWeight<'a>,
     faces: Vec<WalledFace<'a>>,
+    /// [`crate::model::Kernel::crossing_moment`], where there are surfaces.
+    crossing_moment: f64,
 }
 
 /// The faces behind which a ghost lies, by axis.
@@ -101,7 +106,11 @@ impl<'a> Fold<'a> {
     pub fn new(problem: &'a Problem, weight: &'a PairWeight<'a>) -> Option<Self> {
         let faces = WalledFace::all(&problem.walls, problem.dimension);
         let acts = !faces.is_empty() || !problem.surfaces.is_empty();
-        acts.then_some(Self { problem, weight, faces })
+        let crossing_moment = match problem.surfaces.is_empty() {
+            true => 0.0,
+            false => problem.kernel.crossing_moment(),
+        };
+        acts.then_some(Self { problem, weight, faces, crossing_moment })
     }
 
     /// Whether a ghost or a surface may be within the support of a particle at `x` (m).
@@ -279,6 +288,13 @@ impl<'a> Fold<'a> {
         }
     }
 
+    /// By what the total that enters through a surface with this divergence of its normal (1/m)
+    /// differs from flux x area. Near an edge the divergence means nothing.
+    fn curved(&self, divergence: f64) -> f64 {
+        let excess = self.crossing_moment * divergence;
+        if excess.abs() < STRONGLY_CURVED { 1.0 + excess } else { 1.0 }
+    }
+
     /// Adds what enters through surfaces: 2 q n . `gradient`, with the gradient summed over the
     /// support.
     fn surfaces(&self, a: usize, gradient: DVec3, row: &mut RowFold) {
@@ -295,7 +311,9 @@ impl<'a> Fold<'a> {
             let Some(inflow) = surface.condition.inflow(conductivity, depth, foot) else {
                 continue;
             };
-            let spread = 2.0 * inward.dot(gradient);
+            let reach = problem.kernel.support_radius();
+            let divergence = surface.divergence(foot, inward, reach, problem.dimension);
+            let spread = 2.0 * inward.dot(gradient) / self.curved(divergence);
             row.acts = true;
             row.diagonal -= spread * inflow.loss;
             let imposed = problem.walls.len() + k;

@@ -406,7 +406,7 @@ impl Rows {
         assert!(state.len() == self.count && out.len() == self.count, "one value a row");
         assert!(source.is_empty() || source.len() == self.walls.len(), "one source a wall row");
         let advance = |(first, block, out): (usize, &RowBlock, &mut [f64])| {
-            let mut walls = self.walls.from_rank(first, source);
+            let mut walls = self.walls.cursor(first, source);
             for (row, out) in out.iter_mut().enumerate() {
                 let own = state[first + row];
                 let mut rate = block.rate(row, own, state);

@@ -176,7 +176,7 @@ impl WallRows {
     }
 
     /// The rows from `rank` on, one after another.
-    pub(super) fn from_rank<'a>(&'a self, rank: usize, source: &'a [f64]) -> WallCursor<'a> {
+    pub(super) fn cursor<'a>(&'a self, rank: usize, source: &'a [f64]) -> WallCursor<'a> {
         let next = self.rank.partition_point(|&r| (r as usize) < rank);
         WallCursor { rows: self, source, next }
     }

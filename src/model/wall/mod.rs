@@ -122,6 +122,12 @@ impl Face {
         (0..dimension).flat_map(|axis| [false, true].map(|upper| Self { axis, upper }))
     }
 
+    /// The name in case files.
+    pub fn name(self) -> &'static str {
+        let names = [["x_min", "x_max"], ["y_min", "y_max"], ["z_min", "z_max"]];
+        names[self.axis][usize::from(self.upper)]
+    }
+
     /// The coordinate of the face along its axis, m.
     pub fn coordinate(self, domain: &Domain) -> f64 {
         if self.upper { domain.max[self.axis] } else { domain.min[self.axis] }

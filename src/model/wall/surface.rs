@@ -36,7 +36,11 @@ impl fmt::Debug for Region {
 ///
 /// Flux and convection enter as the consistent source S_a = 2 q n . sum_b V_b grad W_ab over the
 /// operator's lattice moment, n the inward normal and the sum over particles and ghosts within the
-/// support. On a flat surface of a lattice its total is exactly q x area.
+/// support. On a flat surface of a lattice its total is exactly q x area. On a curved one it is
+/// q x area x (1 + m div n) to first order in the curvature, since the normal is taken at the
+/// particle and not where its pairs would cross the surface; m is half the first moment of the
+/// kernel's slope along the normal ([`crate::model::Kernel::crossing_moment`]). The source is
+/// divided by that factor.
 #[derive(Clone)]
 pub struct Surface {
     /// What messages call it, e.g. its path in the case file.
@@ -64,6 +68,20 @@ impl Surface {
         let foot = (self.nearest)(x);
         let covered = || self.covers.as_ref().is_none_or(|region| region.contains(foot));
         (x.distance(foot) < reach && covered()).then_some(foot)
+    }
+
+    /// The divergence of the normal that points from the surface at `foot` (m) along `inward`,
+    /// 1/m: the sum of the curvatures, negative where the body is convex. By differences at `depth`
+    /// (m), where neither side of the surface is near.
+    pub fn divergence(&self, foot: DVec3, inward: DVec3, depth: f64, dimension: usize) -> f64 {
+        let center = foot + depth * inward;
+        let step = 0.1 * depth;
+        let normal = |x: DVec3| (x - (self.nearest)(x)).normalize_or_zero();
+        let along = |axis: usize| {
+            let shift = step * DVec3::AXES[axis];
+            (normal(center + shift) - normal(center - shift))[axis] / (2.0 * step)
+        };
+        (0..dimension).map(along).sum()
     }
 }
 
