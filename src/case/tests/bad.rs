@@ -134,13 +134,29 @@ const BAD: &[(&[&str], &str)] = &[
         &["exact={\"name\":\"point_source\",\"amount\":1}"],
         "exact.at: missing key: the case has 0 deposits",
     ),
+    (&["exact={\"name\":\"slab\",\"axis\":\"z\",\"initial\":0}"], "exact.axis: unknown name \"z\""),
     (
-        &["exact={\"name\":\"slab\",\"axis\":\"z\",\"left\":1,\"right\":1,\"initial\":0}"],
-        "exact.axis: unknown name \"z\"",
+        &["exact={\"name\":\"slab\",\"axis\":\"x\",\"initial\":0}"],
+        "exact.left: missing key: the face x_min has no wall",
     ),
     (
-        &["exact={\"name\":\"slab\",\
-           \"axis\":\"x\",\"left\":1,\"right\":1,\"initial\":0,\"to\":-1}"],
+        &["exact={\"name\":\"slab\",\"axis\":\"x\",\"left\":{\"convection\":{\"coefficient\":-1,\
+           \"ambient\":0}},\"right\":\"insulated\",\"initial\":0}"],
+        "exact.left.convection.coefficient: is -1, must be zero or positive",
+    ),
+    (
+        &["exact={\"name\":\"sphere\",\"center\":[0,0],\"radius\":1,\
+           \"surface\":\"insulated\",\"initial\":0}"],
+        "dimension: is 2, must be 3 for a sphere",
+    ),
+    (
+        &["exact={\"name\":\"annulus\",\"center\":[0,0],\"inner_radius\":2,\
+           \"outer_radius\":1,\"inner\":0,\"outer\":0,\"initial\":0}"],
+        "exact.inner_radius: is 2, must be below the outer radius",
+    ),
+    (
+        &["exact={\"name\":\"slab\",\"axis\":\"x\",\"left\":\"insulated\",\
+           \"right\":\"insulated\",\"initial\":0,\"to\":-1}"],
         "exact.to: is -1, must be above exact.from",
     ),
 ];

@@ -112,8 +112,12 @@ fn exact_solutions_take_their_parameters_from_the_scene() {
     assert_eq!((masses.walls.dimension, exact("point_source").name()), (2, "point_source"));
     assert_eq!(exact("point_source_in_box").name(), "point_source_in_box");
     for json in [
-        r#"{"name":"slab","axis":"y","left":1,"right":2,"initial":0}"#,
-        r#"{"name":"half_space","axis":"x","surface":1,"initial":0,"from":"spacing/2"}"#,
+        r#"{"name":"slab","axis":"y","left":{"value":1},"right":{"flux":2},"initial":0}"#,
+        r#"{"name":"half_space","axis":"x","surface":{"value":1},"initial":0,"from":"spacing/2"}"#,
+        r#"{"name":"annulus","center":[0,0],"inner_radius":1,"outer_radius":2,
+            "inner":1,"outer":"2*pi","initial":0}"#,
+        r#"{"name":"oscillating_slab","axis":"x","mean":1,"amplitude":2,
+            "angular_frequency":"2*pi/day","right":0,"initial":0}"#,
         r#"{"name":"affine","offset":1,"gradient":[1,2]}"#,
         r#"{"name":"expression","value":"300+10*sin(pi*x)*exp(-t)"}"#,
     ] {
@@ -122,6 +126,27 @@ fn exact_solutions_take_their_parameters_from_the_scene() {
         assert!(json.contains(&format!("\"{}\"", solution.name())));
         assert!(solution.at(DVec3::ONE, 5.0).is_finite());
     }
+}
+
+#[test]
+fn the_sides_of_a_slab_are_what_the_walls_of_the_scene_do() {
+    let exact = r#"exact={"name":"slab","axis":"x","initial":4}"#;
+    let solution = |left: &str, right: &str| {
+        let wall = |face, kind| format!(r#"{{"wall":{{"faces":["{face}"],"kind":{kind}}}}}"#);
+        let walls = format!("boundaries=[{},{}]", wall("x_min", left), wall("x_max", right));
+        with(&[&walls, exact]).map(|scene| scene.exact.expect("a slab"))
+    };
+    let at = |x: f64| DVec3::new(x, 1.0, 0.0);
+    let held = solution(r#"{"value":7}"#, r#"{"value":9}"#).expect("good");
+    assert_eq!((held.at(at(0.0), 1.0), held.at(at(4.0), 1.0)), (7.0, 9.0));
+    let heated = solution(r#"{"flux":"1e-3"}"#, r#""insulated""#).expect("good");
+    assert!(heated.at(at(0.0), 9.0) > 4.0 && heated.at(at(4.0), 9.0) == 4.0);
+    let cooled =
+        solution(r#"{"convection":{"coefficient":1,"ambient":2}}"#, r#""free""#).expect("good");
+    assert!((2.0..4.0).contains(&cooled.at(at(0.0), 9.0)));
+    let varies = solution(r#"{"value":"t"}"#, r#"{"value":9}"#).expect_err("it varies");
+    let expected = "exact.left: missing key: the face x_min has a wall whose values vary";
+    assert_eq!(varies.to_string(), expected);
 }
 
 #[test]

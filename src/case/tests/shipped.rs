@@ -29,6 +29,12 @@ fn the_schema_file_is_current() {
     );
 }
 
+/// The kind of the shape of the first fill.
+fn shape(case: &Value) -> String {
+    let shape = case.pointer("/particles/fill/0/shape").and_then(Value::as_object).expect("there");
+    shape.keys().next().expect("of some kind").clone()
+}
+
 #[test]
 fn shipped_cases_satisfy_the_schema() {
     let validator = jsonschema::validator_for(&schema()).expect("a valid schema");
@@ -41,13 +47,18 @@ fn shipped_cases_satisfy_the_schema() {
             ("/kernel", "name", "cubic".into()),
             ("/particles", "spacing", true.into()),
             ("/time", "stp", 1.into()),
-            ("/particles/fill/0/shape/box", "middle", 1.into()),
+            (&format!("/particles/fill/0/shape/{}", shape(&case)), "middle", 1.into()),
         ] {
             let mut mutated = case.clone();
             mutated.pointer_mut(pointer).expect("there")[key] = wrong;
             assert!(!validator.is_valid(&mutated), "{name}: {pointer}/{key}");
         }
-        for (pointer, key) in [("/exact", "sparation"), ("/initial/0", "at")] {
+        for (pointer, key) in [
+            ("/exact", "sparation"),
+            ("/initial/0", "at"),
+            ("/boundaries/0/wall", "fces"),
+            ("/boundaries/0/surface", "off"),
+        ] {
             let mut mutated = case.clone();
             let Some(target) = mutated.pointer_mut(pointer) else {
                 continue;
@@ -67,11 +78,21 @@ fn every_shipped_case_loads_and_repeats_from_its_resolved_form() {
         [
             "affine",
             "affine_column",
+            "annulus",
+            "annulus_steady",
             "constant",
             "constant_column",
+            "cooling_plate",
             "density",
+            "flux_half_space",
+            "flux_plate",
             "gaussian",
-            "gaussian_small"
+            "gaussian_small",
+            "heated_plate",
+            "patches",
+            "sphere_convection",
+            "sphere_cooling",
+            "swinging_bar"
         ]
     );
     for (name, title) in &cases {
