@@ -109,7 +109,8 @@ fn rates_apart(on_cpu: &Problem, on_gpu: &Problem, precision: Precision, t: f64)
     let there = gpu(on_gpu, precision).rate(t).expect("rate");
     let allowed = rate_tolerance(on_cpu, precision, t);
     let pairs = here.as_ref().iter().zip(there.as_ref()).zip(&allowed);
-    pairs.filter(|((a, b), allowed)| !((*a - *b).abs() <= **allowed)).count()
+    let agree = |((a, b), allowed): &((&f64, &f64), &f64)| (*a - *b).abs() <= **allowed;
+    pairs.filter(|pair| !agree(pair)).count()
 }
 
 #[test]
