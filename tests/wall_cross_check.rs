@@ -225,7 +225,8 @@ fn surfaces_agree_and_close_the_balance() {
         let center = 0.5 * problem.domain.max;
         let radius = 0.4 * problem.domain.max.x;
         let circle = move |x: DVec3| center + radius * (x - center).normalize_or(DVec3::X);
-        let outside = |x: DVec3| x.distance(center) > radius;
+        let outside = move |x: DVec3| x.distance(center) > radius;
+        let hole = Region::new(move |x| !outside(x));
         // A round hole: nothing is left of what is inside.
         let keep: Vec<usize> = (0..problem.particles.len())
             .filter(|&p| outside(problem.particles.position[p]))
@@ -235,7 +236,8 @@ fn surfaces_agree_and_close_the_balance() {
         particles.volume = keep.iter().map(|&p| particles.volume[p]).collect();
         particles.material = keep.iter().map(|&p| particles.material[p]).collect();
         problem.initial = keep.iter().map(|&p| problem.initial[p]).collect();
-        problem.surfaces = vec![Surface::new("hole", circle, None, condition(kind, true))];
+        problem.surfaces =
+            vec![Surface::new("hole", hole.clone(), circle, None, condition(kind, true))];
         for precision in Precision::ALL {
             assert_eq!(rates_apart(&problem, &problem, precision, 0.02), 0, "{kind:?}");
         }

@@ -54,7 +54,7 @@ fn problem(
         kernel: &kernel,
         particles: &particles,
     };
-    let (walls, surfaces) = resolve_walls(&case.boundaries, &body)?;
+    let (walls, surfaces) = resolve_walls(&case.boundaries, &body, warnings)?;
     let (pair_mean, correction) = operator(case)?;
     let ground = Ground { evaluator: &evaluator, domain: &domain, spacing, particles: &particles };
     let mut initial = resolve_initial(&case.initial, &ground)?;

@@ -75,7 +75,11 @@ fn wrong_type(path: &str, message: &str) -> CaseError {
         }
     }
     let path = if path.is_empty() { "case" } else { path }.to_owned();
-    CaseError::WrongType { path, reason: message.replace('`', "") }
+    let reason = match message.ends_with("expected map with a single key") {
+        true => "expected one key, found several or none".to_owned(),
+        false => message.replace('`', ""),
+    };
+    CaseError::WrongType { path, reason }
 }
 
 fn join(path: &str, key: &str) -> String {

@@ -73,6 +73,7 @@ impl Body<'_> {
 pub(super) fn resolve(
     boundaries: &[BoundarySpec],
     body: &Body,
+    warnings: &mut Vec<String>,
 ) -> Result<(Vec<Wall>, Vec<Surface>), CaseError> {
     let (mut patches, mut surfaces) = (Vec::new(), Vec::new());
     for (index, boundary) in boundaries.iter().enumerate() {
@@ -86,7 +87,7 @@ pub(super) fn resolve(
             BoundarySpec::Held { .. } | BoundarySpec::Periodic { .. } => {}
         }
     }
-    Ok((patch::check(patches, body)?, surfaces))
+    Ok((patch::check(patches, body, warnings)?, surfaces))
 }
 
 /// The faces with a wall that is not free.

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::Precision;
 use crate::model::Problem;
+use crate::model::operator::fold::Fault;
 use crate::model::operator::rows::Survey;
 
 /// A run that could not start or go on.
@@ -46,6 +47,17 @@ pub enum SolverError {
         /// What it imposes, as written.
         text: String,
         /// Where, m.
+        at: DVec3,
+    },
+    /// There are particles on both sides of a surface.
+    #[error(
+        "{surface}: the body goes on beyond it, near {at}: a surface must be an outer surface of \
+         the body, or that of a hole"
+    )]
+    SurfaceInside {
+        /// The surface.
+        surface: String,
+        /// A particle beyond it, m.
         at: DVec3,
     },
     /// A value that is not finite came up.
@@ -106,6 +118,7 @@ impl SolverError {
             Self::UnstableStep { .. }
             | Self::CoincidentParticles { .. }
             | Self::WallNotFinite { .. }
+            | Self::SurfaceInside { .. }
             | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. } => true,
             Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
@@ -122,16 +135,21 @@ impl SolverError {
         }
     }
 
-    /// Refuses a scene where a wall imposes something that is not finite.
+    /// Refuses a scene with a wall or surface that makes no sense.
     pub fn check_walls(problem: &Problem, survey: &Survey) -> Result<(), Self> {
-        let Some((index, at)) = survey.not_finite else {
+        let Some(fault) = survey.fault else {
             return Ok(());
         };
         let walls = problem.walls.iter().map(|wall| &wall.name);
         let mut names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
-        let wall = names.nth(index).cloned().unwrap_or_default();
-        let text = problem.imposed()[index].text().to_owned();
-        Err(Self::WallNotFinite { wall, text, at })
+        let mut name = |index| names.nth(index).cloned().unwrap_or_default();
+        Err(match fault {
+            Fault::NotFinite { imposed, at } => {
+                let text = problem.imposed()[imposed].text().to_owned();
+                Self::WallNotFinite { wall: name(imposed), text, at }
+            }
+            Fault::Inside { imposed, at } => Self::SurfaceInside { surface: name(imposed), at },
+        })
     }
 
     /// Refuses a scene where two particles coincide under a kernel without a weight for them.

@@ -13,7 +13,7 @@ use crate::exact::{
     Annulus, AnnulusSetup, HalfSpace, OscillatingSlab, OscillatingSlabSetup, Side, Slab, SlabSetup,
     Sphere, SphereSetup,
 };
-use crate::model::{Face, WallKind};
+use crate::model::{Face, Wall, WallKind};
 
 /// A slab between two plane faces, from a uniform initial value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -232,9 +232,19 @@ fn side(setting: &Setting<'_>, key: &str, kind: &WallKindSpec) -> Result<Side, C
     })
 }
 
+/// Whether nothing crosses a wall.
+fn is_passive(wall: &Wall) -> bool {
+    matches!(wall.condition.kind, WallKind::Free | WallKind::Insulated)
+}
+
 /// What the only wall on a face does, if it does the same everywhere and always.
 fn side_of_wall(setting: &Setting<'_>, key: &str, face: Face) -> Result<Side, CaseError> {
     let name = face.name();
+    let across = |wall: &&Wall| wall.face.axis != face.axis && !is_passive(wall);
+    if let Some(wall) = setting.walls.iter().find(across) {
+        let reason = format!("the wall on {} acts across the slab", wall.face.name());
+        return Err(undetermined(key, reason));
+    }
     let unknown = |reason: &str| undetermined(key, format!("the face {name} {reason}"));
     let walls: Vec<_> = setting.walls.iter().filter(|wall| wall.face == face).collect();
     let condition = match walls[..] {

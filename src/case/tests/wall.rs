@@ -175,11 +175,11 @@ fn surfaces_have_feet() {
     assert_eq!(surfaces[0].condition.kind, WallKind::Flux);
     assert_eq!(surfaces[1].condition.kind, WallKind::Convection);
     let [left, right] = [1.25, 2.75].map(|x| DVec3::new(x, 1.0, 0.0));
-    let foot = surfaces[0].foot(right, 1.0).expect("near");
+    let foot = surfaces[0].foot(right);
     assert!(foot.distance(DVec3::new(2.6, 1.0, 0.0)) < 1e-12, "{foot}");
-    assert_eq!(surfaces[0].foot(right, 0.1), None);
-    assert_eq!(surfaces[1].foot(right, 1.0), None);
-    assert!(surfaces[1].foot(left, 1.0).is_some());
+    assert!((surfaces[0].distance(right) - 0.15).abs() < 1e-12);
+    assert!(surfaces[0].contains(DVec3::new(2.0, 1.0, 0.0)) && !surfaces[0].contains(right));
+    assert!(!surfaces[1].covers(foot) && surfaces[1].covers(surfaces[1].foot(left)));
 }
 
 /// Every form of a wall and a surface.

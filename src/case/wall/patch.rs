@@ -19,6 +19,10 @@ const ON_FACE: f64 = 1e-6;
 /// patches usually are, so that patches that share one do not overlap.
 const BESIDE: f64 = 0.237;
 
+/// Below this share of a face that particles lie along, a wall on it is worth a warning. A face
+/// that is no whole number of spacings may miss a row.
+const TOUCHED: f64 = 0.9;
+
 /// A wall on one face, with where its numbers came from.
 pub(super) struct Patch {
     wall: Wall,
@@ -52,7 +56,11 @@ impl WallSpec {
 }
 
 /// The walls of the patches, each of which must fit the body and the others.
-pub(super) fn check(patches: Vec<Patch>, body: &Body) -> Result<Vec<Wall>, CaseError> {
+pub(super) fn check(
+    patches: Vec<Patch>,
+    body: &Body,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Wall>, CaseError> {
     for patch in &patches {
         check_thickness(&patch.wall, body)?;
     }
@@ -63,6 +71,7 @@ pub(super) fn check(patches: Vec<Patch>, body: &Body) -> Result<Vec<Wall>, CaseE
             let on_face = OnFace { face, body, patches: on_face.collect() };
             if !on_face.patches.is_empty() {
                 on_face.check()?;
+                warnings.extend(on_face.touches_in_part());
             }
         }
     }
@@ -117,6 +126,29 @@ impl OnFace<'_> {
             Some(k) => Err(self.outside(self.patches[k])),
             None => Ok(()),
         }
+    }
+
+    /// What to say where the body touches only a part of the face and a wall acts there.
+    fn touches_in_part(&self) -> Option<String> {
+        let Body { domain, particles, spacing, evaluator, .. } = self.body;
+        let is_free = |patch: &&Patch| patch.wall.condition.kind == WallKind::Free;
+        if self.patches.iter().all(is_free) {
+            return None;
+        }
+        let first_layer = |x: &&DVec3| self.face.distance(domain, **x) < *spacing;
+        let layer = particles.position.par_iter().filter(first_layer).count() as f64;
+        let along = (0..evaluator.dimension).filter(|&axis| axis != self.face.axis);
+        let sites: f64 = along.map(|axis| domain.extent()[axis] / spacing).product();
+        let share = layer / sites;
+        (share < TOUCHED).then(|| {
+            format!(
+                "{}: the body touches only {:.0} % of the face {}, and its walls act on the rest \
+                 of the particles within a support radius as well",
+                self.patches[0].wall.name,
+                100.0 * share,
+                self.face.name()
+            )
+        })
     }
 
     /// The patch that counts at a point.

@@ -1,11 +1,13 @@
 //! Surfaces of the body that are no faces of the domain.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Body, SurfaceSpec, WallError};
 use crate::case::error::CaseError;
-use crate::model::{Surface, WallKind};
+use crate::model::{Region, Surface, WallKind};
 
 impl SurfaceSpec {
     /// The surface in numbers; some particle must be near it, and its numbers good there.
@@ -13,14 +15,20 @@ impl SurfaceSpec {
         let kind_path = format!("{path}.kind");
         self.check_kind(&kind_path)?;
         let kind = self.kind.resolve(body.evaluator, &kind_path)?;
-        let shape = self.of.resolve(body.evaluator, &format!("{path}.of"))?;
+        let shape = Arc::new(self.of.resolve(body.evaluator, &format!("{path}.of"))?);
         let covers = self.selection.as_deref();
         let covers = covers.map(|part| body.region(part, &format!("{path}.where"))).transpose()?;
         let tolerance = body.tolerance();
+        let region = shape.clone();
+        let region = Region::new(move |x| region.contains(x, 0.0));
         // What has no surface is infinitely far away.
         let nearest = move |x| shape.nearest_on_surface(x, tolerance).unwrap_or(DVec3::INFINITY);
-        let surface = Surface::new(path, nearest, covers, kind.condition.clone());
-        let foot = |&x: &DVec3| surface.foot(x, body.kernel.cutoff());
+        let surface = Surface::new(path, region, nearest, covers, kind.condition.clone());
+        let foot = |&x: &DVec3| {
+            let foot = surface.foot(x);
+            let is_near = x.distance(foot) < body.kernel.cutoff();
+            (is_near && surface.covers(foot)).then_some(foot)
+        };
         let feet: Vec<DVec3> = body.particles.position.par_iter().filter_map(foot).collect();
         if feet.is_empty() {
             let part = if self.selection.is_some() { "its part in \"where\"" } else { "it" };

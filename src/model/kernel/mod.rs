@@ -21,9 +21,6 @@ mod wendland_c6;
 /// out is below 1e-12 of the largest; the hat's jump is put where its support ends.
 pub const SUPPORT_MARGIN: f64 = 1.0 - 1e-6;
 
-/// Slices of the midpoint rule for integrals over the radius: to 1e-6 of the integral and better.
-const SLICES: u32 = 1000;
-
 /// The mathematics of one kernel, in the dimensionless distance q = r / H in [0, 1).
 pub struct Definition {
     /// The name in case files, and the stem of the shader file.
@@ -148,27 +145,6 @@ impl Kernel {
         } else {
             0.0
         }
-    }
-
-    /// The integral over the half space r_n > 0 of -W'(r)/r r_n r_t^2, with r_n along a normal and
-    /// r_t along one tangent, m: by how much, for each curvature, what pairs carry through a
-    /// surface depends on where between the two particles its normal is taken. 0 in 1-D.
-    ///
-    /// By parts it is A (dim + 1) times the integral of W r^dim from 0 to H, with
-    /// A = pi / 4 in 3-D and 2 / 3 in 2-D from the directions.
-    pub fn crossing_moment(&self) -> f64 {
-        let directions = match self.dimension {
-            2 => 2.0 / 3.0,
-            3 => std::f64::consts::FRAC_PI_4,
-            _ => return 0.0,
-        };
-        let power = self.dimension as i32;
-        let width = self.support_radius / f64::from(SLICES);
-        let slice = |k: u32| {
-            let r = (f64::from(k) + 0.5) * width;
-            self.w(r) * r.powi(power) * width
-        };
-        directions * f64::from(power + 1) * (0..SLICES).map(slice).sum::<f64>()
     }
 
     /// The factor sigma / H^(dim + 2) that turns the dimensionless w'(q)/q into W'(r)/r.

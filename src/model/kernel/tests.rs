@@ -106,26 +106,3 @@ fn names_are_distinct_and_hat_is_for_one_dimension() {
     assert_eq!(names.len(), KernelKind::ALL.len());
     assert!(Kernel::new(KernelKind::Hat, 2, 1.0).is_none());
 }
-
-#[test]
-fn the_crossing_moment_is_the_integral_over_a_half_space() {
-    for kind in KernelKind::ALL {
-        for dimension in dimensions(kind) {
-            let kernel = Kernel::new(kind, dimension, 1.3).expect("it is defined");
-            // Normal and tangent of a direction at this angle from the normal, and its share.
-            let half_pi = std::f64::consts::FRAC_PI_2;
-            let directions = integrate(half_pi, 40, |angle| {
-                let (sine, cosine) = angle.sin_cos();
-                match dimension {
-                    2 => 2.0 * cosine * sine * sine,
-                    3 => 2.0 * half_pi * cosine * sine.powi(3),
-                    _ => 0.0,
-                }
-            });
-            let radial =
-                integrate(1.3, 120, |r| -kernel.dw_over_r(r) * r.powi(3 + dimension as i32 - 1));
-            let (found, expected) = (kernel.crossing_moment(), directions * radial);
-            assert!((found - expected).abs() <= 1e-5 * expected, "{kind:?} {dimension}-D");
-        }
-    }
-}

@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::fold::{Fold, RowFold};
+use super::fold::{Fault, Fold, RowFold};
 use super::row_block::RowBlock;
 use super::wall_rows::WallRowsBuilder;
 use super::{PairWeight, WallRows};
@@ -32,9 +31,8 @@ pub struct Survey {
     pub rate_bound: f64,
     /// Whether the matrix is symmetric once scaled by volume: all but convection is.
     pub symmetric: bool,
-    /// The wall or surface (an index into [`Problem::imposed`]) that imposes a value that is not
-    /// finite, and where (m), if any does.
-    pub not_finite: Option<(usize, DVec3)>,
+    /// What is wrong with a wall or surface, if anything is.
+    pub fault: Option<Fault>,
     /// Smallest summation density (18), kg/m^dim.
     pub min_density: f64,
     /// Largest summation density (18), kg/m^dim.
@@ -281,7 +279,7 @@ impl Survey {
         most_neighbors: 0,
         rate_bound: 0.0,
         symmetric: true,
-        not_finite: None,
+        fault: None,
         min_density: f64::INFINITY,
         max_density: f64::NEG_INFINITY,
         coincident: None,
@@ -293,7 +291,7 @@ impl Survey {
             most_neighbors: self.most_neighbors.max(other.most_neighbors),
             rate_bound: self.rate_bound.max(other.rate_bound),
             symmetric: self.symmetric && other.symmetric,
-            not_finite: self.not_finite.or(other.not_finite),
+            fault: self.fault.or(other.fault),
             min_density: self.min_density.min(other.min_density),
             max_density: self.max_density.max(other.max_density),
             coincident: self.coincident.or(other.coincident),
@@ -317,7 +315,7 @@ impl Survey {
 
     fn note_fold(&mut self, fold: &RowFold) {
         self.symmetric &= fold.skew == 0.0;
-        self.not_finite = self.not_finite.or(fold.not_finite);
+        self.fault = self.fault.or(fold.fault);
     }
 
     fn note_density(&mut self, density: f64) {

@@ -32,56 +32,57 @@ impl fmt::Debug for Region {
     }
 }
 
-/// A surface of the body that is no face of the domain, where the support stays truncated.
-///
-/// Flux and convection enter as the consistent source S_a = 2 q n . sum_b V_b grad W_ab over the
-/// operator's lattice moment, n the inward normal and the sum over particles and ghosts within the
-/// support. On a flat surface of a lattice its total is exactly q x area. On a curved one it is
-/// q x area x (1 + m div n) to first order in the curvature, since the normal is taken at the
-/// particle and not where its pairs would cross the surface; m is half the first moment of the
-/// kernel's slope along the normal ([`crate::model::Kernel::crossing_moment`]). The source is
-/// divided by that factor.
+/// A surface of the body that is no face of the domain, where the support stays truncated: flux and
+/// convection enter as a source (see [`crate::model::operator::fold`]).
 #[derive(Clone)]
 pub struct Surface {
     /// What messages call it, e.g. its path in the case file.
     pub name: String,
-    /// The part of the surface that counts, by the foot of a particle; all of it without one.
-    pub covers: Option<Region>,
     /// What happens there: flux or convection.
     pub condition: Condition,
+    /// The shape whose surface it is; the body may be inside or outside of it.
+    shape: Region,
     nearest: Arc<Nearest>,
+    /// The part of the surface that counts; all of it without one.
+    part: Option<Region>,
 }
 
 impl Surface {
-    /// A surface; `nearest` gives the point of it that is nearest to another (m).
+    /// The surface of `shape`, all of it or the part in `part`; `nearest` gives the point of it that
+    /// is nearest to another (m).
     pub fn new(
         name: impl Into<String>,
+        shape: Region,
         nearest: impl Fn(DVec3) -> DVec3 + Send + Sync + 'static,
-        covers: Option<Region>,
+        part: Option<Region>,
         condition: Condition,
     ) -> Self {
-        Self { name: name.into(), covers, condition, nearest: Arc::new(nearest) }
+        Self { name: name.into(), condition, shape, nearest: Arc::new(nearest), part }
     }
 
-    /// The point of the surface nearest to `x` (m), if it is nearer than `reach` (m) and covered.
-    pub fn foot(&self, x: DVec3, reach: f64) -> Option<DVec3> {
-        let foot = (self.nearest)(x);
-        let covered = || self.covers.as_ref().is_none_or(|region| region.contains(foot));
-        (x.distance(foot) < reach && covered()).then_some(foot)
+    /// The point of the surface nearest to `x` (m).
+    pub fn foot(&self, x: DVec3) -> DVec3 {
+        (self.nearest)(x)
     }
 
-    /// The divergence of the normal that points from the surface at `foot` (m) along `inward`,
-    /// 1/m: the sum of the curvatures, negative where the body is convex. By differences at `depth`
-    /// (m), where neither side of the surface is near.
-    pub fn divergence(&self, foot: DVec3, inward: DVec3, depth: f64, dimension: usize) -> f64 {
-        let center = foot + depth * inward;
-        let step = 0.1 * depth;
-        let normal = |x: DVec3| (x - (self.nearest)(x)).normalize_or_zero();
-        let along = |axis: usize| {
-            let shift = step * DVec3::AXES[axis];
-            (normal(center + shift) - normal(center - shift))[axis] / (2.0 * step)
-        };
-        (0..dimension).map(along).sum()
+    /// The distance of `x` (m) from the surface, m.
+    pub fn distance(&self, x: DVec3) -> f64 {
+        x.distance(self.foot(x))
+    }
+
+    /// The direction from the surface to `x` (m), which is not on it.
+    pub fn normal(&self, x: DVec3) -> DVec3 {
+        (x - self.foot(x)).normalize_or_zero()
+    }
+
+    /// Whether `x` (m) is in the shape.
+    pub fn contains(&self, x: DVec3) -> bool {
+        self.shape.contains(x)
+    }
+
+    /// Whether the point of the surface at `foot` (m) counts.
+    pub fn covers(&self, foot: DVec3) -> bool {
+        self.part.as_ref().is_none_or(|part| part.contains(foot))
     }
 }
 

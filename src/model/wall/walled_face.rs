@@ -30,6 +30,11 @@ impl<'a> WalledFace<'a> {
         self.face
     }
 
+    /// Whether some wall covers only a part of it.
+    pub fn has_patches(&self) -> bool {
+        self.walls.iter().any(|(_, wall)| wall.covers.is_some())
+    }
+
     /// The wall at a point of the face and its index, if one covers the point.
     pub fn at(&self, point: DVec3) -> Option<(usize, &'a Wall)> {
         let covers = |wall: &Wall| wall.covers.as_ref().is_none_or(|part| part.contains(point));
