@@ -72,7 +72,7 @@ fn kinds_are_named_and_complete() {
         (json!({ "fluks": 1 }), format!(".fluks: unknown key; did you mean \"flux\"? {known}")),
         (json!("value"), ": \"value\" cannot stand alone: write {\"value\": ...}".to_owned()),
         (json!({ "free": {} }), ": \"free\" takes nothing: write \"free\"".to_owned()),
-        (json!({ "value": 1, "flux": 1 }), ": invalid value: map, expected map with".to_owned()),
+        (json!({ "value": 1, "flux": 1 }), ": expected one key, found several or none".to_owned()),
         (json!({ "value": true }), ".value: expected a number or an expression".to_owned()),
         (json!({ "flux": "1/0" }), ".flux: \"1/0\": gives inf (allowed: ".to_owned()),
         (json!({ "flux": "z" }), ".flux: \"z\": \"z\" has no meaning here".to_owned()),
