@@ -19,7 +19,7 @@ if [ "$(uname)" = Linux ] && ! has_vulkan; then
     as_root apt-get install -y -qq mesa-vulkan-drivers libvulkan1 >&2
 fi
 
-venv="${DIFFUSPH_VENV:-target/python}"
+venv="$(realpath -m "${DIFFUSPH_VENV:-target/python}")"
 if ! "$venv/bin/python" -c 'import meshio, pyvista' 2>/dev/null; then
     echo "tests/run.sh: installing the Python readers into $venv" >&2
     if ! python3 -m venv "$venv" 2>/dev/null; then
@@ -29,7 +29,7 @@ if ! "$venv/bin/python" -c 'import meshio, pyvista' 2>/dev/null; then
     fi
     "$venv/bin/pip" install --quiet --disable-pip-version-check -r tests/readers/requirements.txt
 fi
-export DIFFUSPH_PYTHON="$PWD/$venv/bin/python"
+export DIFFUSPH_PYTHON="$venv/bin/python"
 
 # The Vulkan loader complains where this is not set; any folder will do.
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-$(mktemp -d)}"
