@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use super::CliError;
 use crate::case::{self, Override, Scene};
-use crate::solver::{BackendWish, MachineWish, Precision};
+use crate::solver::{BackendWish, MachineWish, PathWish, Precision};
 
 /// Which case, and what is changed in it.
 #[derive(Debug, Args)]
@@ -46,7 +46,7 @@ pub(super) struct MachineArguments {
     /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
-    /// How neighbours are known
+    /// How neighbours are known: `auto` takes the lattice where particles fill one, on the CPU
     #[arg(long, value_enum, default_value = "auto")]
     path: PathFlag,
 }
@@ -69,13 +69,21 @@ enum PrecisionFlag {
 enum PathFlag {
     Auto,
     List,
+    Lattice,
 }
 
 impl MachineArguments {
+    /// The path that is wanted.
+    pub(super) fn path(&self) -> PathWish {
+        match self.path {
+            PathFlag::Auto => PathWish::Auto,
+            PathFlag::List => PathWish::List,
+            PathFlag::Lattice => PathWish::Lattice,
+        }
+    }
+
     /// The flags as a wish.
     pub(super) fn wish(&self) -> MachineWish {
-        // Both values of --path mean the same as long as there is one path.
-        let (PathFlag::Auto | PathFlag::List) = self.path;
         MachineWish {
             backend: match self.backend {
                 BackendFlag::Auto => BackendWish::Auto,

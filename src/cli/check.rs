@@ -10,7 +10,7 @@ use crate::case::Scene;
 use crate::model::integrator::Schedule;
 use crate::model::{Problem, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
-use crate::solver::Machine;
+use crate::solver::{Machine, PathChoice, Plan};
 use crate::study::{self, Prepared};
 
 #[derive(Debug, Args)]
@@ -29,8 +29,10 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let mut scene = arguments.case.load()?;
     let (machine, passed_over) = Machine::open(&arguments.machine.wish())?;
     scene.warnings.extend(passed_over);
+    let problem = &scene.problem;
+    let choice = PathChoice::new(problem, machine.kind(), arguments.machine.path())?;
     let (prepared, _) =
-        study::prepare(&scene.problem, machine.kind(), arguments.allow_unstable, false)?;
+        study::prepare(problem, machine.kind(), choice, arguments.allow_unstable, false)?;
     print(describe(&scene, &prepared, machine.adapter()))
 }
 
@@ -66,7 +68,7 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
                 plan.machine.precision().name()
             ),
         ),
-        ("path", plan.path.name().to_owned()),
+        ("path", path(plan)),
         ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
         ("duration", simulated_time(problem.time.end)),
         ("step", seconds(step.taken(problem))),
@@ -108,6 +110,12 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
         let _ = writeln!(text, "warning    {warning}");
     }
     text
+}
+
+/// The path, and why it is not the lattice.
+fn path(plan: &Plan) -> String {
+    let name = plan.path.name();
+    plan.why_no_lattice.map_or(name.to_owned(), |why| format!("{name}: {why}"))
 }
 
 /// The walls and surfaces of a scene in a line.

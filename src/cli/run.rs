@@ -48,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let folder = folder(arguments, &scene)?;
     let options = RunOptions {
         machine: &machine,
+        path: arguments.machine.path(),
         allow_unstable: arguments.allow_unstable,
         folder: folder.as_ref(),
         started,

@@ -14,6 +14,13 @@ const CHUNK: usize = 1 << 15;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CpuField(Vec<f64>);
 
+impl CpuField {
+    /// From values in the problem's order.
+    pub(super) fn new(values: Vec<f64>) -> Self {
+        Self(values)
+    }
+}
+
 impl AsRef<[f64]> for CpuField {
     fn as_ref(&self) -> &[f64] {
         &self.0

@@ -94,6 +94,12 @@ pub enum SolverError {
         /// Time reached, s.
         time: f64,
     },
+    /// The lattice path is asked for, but cannot be had.
+    #[error("--path lattice: {why}; `--path auto` takes the list")]
+    NoLattice {
+        /// Why, in words.
+        why: &'static str,
+    },
     /// An adapter is named, but the CPU path is asked for.
     #[error("--adapter {name}: `--backend cpu` uses no adapter; leave one of the two out")]
     AdapterOnCpu {
@@ -119,6 +125,7 @@ impl SolverError {
             | Self::CoincidentParticles { .. }
             | Self::WallNotFinite { .. }
             | Self::SurfaceInside { .. }
+            | Self::NoLattice { .. }
             | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. } => true,
             Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
@@ -137,19 +144,21 @@ impl SolverError {
 
     /// Refuses a scene with a wall or surface that makes no sense.
     pub fn check_walls(problem: &Problem, survey: &Survey) -> Result<(), Self> {
-        let Some(fault) = survey.fault else {
-            return Ok(());
-        };
+        survey.fault.map_or(Ok(()), |fault| Err(Self::of_fault(problem, fault)))
+    }
+
+    /// What is wrong with a wall or surface, by its name.
+    pub fn of_fault(problem: &Problem, fault: Fault) -> Self {
         let walls = problem.walls.iter().map(|wall| &wall.name);
         let mut names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
         let mut name = |index| names.nth(index).cloned().unwrap_or_default();
-        Err(match fault {
+        match fault {
             Fault::NotFinite { imposed, at } => {
                 let text = problem.imposed()[imposed].text().to_owned();
                 Self::WallNotFinite { wall: name(imposed), text, at }
             }
             Fault::Inside { imposed, at } => Self::SurfaceInside { surface: name(imposed), at },
-        })
+        }
     }
 
     /// Refuses a scene where two particles coincide under a kernel without a weight for them.

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::{MachineKind, gpu};
+use super::{MachineKind, SolverError, gpu};
 use crate::model::Problem;
+use crate::model::lattice::LatticeScene;
 use crate::model::operator::WallNeeds;
 use crate::model::wall::WalledFace;
 
@@ -14,6 +15,8 @@ pub struct Plan {
     pub machine: MachineKind,
     /// How neighbours are known.
     pub path: Path,
+    /// Why it is not the lattice path, where that was looked for.
+    pub why_no_lattice: Option<&'static str>,
     /// What of the shaders and buffers the scene needs.
     pub needs: Needs,
     /// What it does not need.
@@ -25,6 +28,52 @@ pub struct Plan {
 pub enum Path {
     /// From stored lists with stored weights.
     List,
+    /// By their place on a lattice that the particles fill: the sum is a stencil.
+    Lattice,
+}
+
+/// Which path a user wants.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PathWish {
+    /// The lattice where the scene is one, else the list.
+    #[default]
+    Auto,
+    /// The list, whatever the scene.
+    List,
+    /// The lattice or nothing.
+    Lattice,
+}
+
+/// A path with what is known of the scene.
+#[derive(Clone, Debug)]
+pub enum PathChoice {
+    /// The list, and why not the lattice, where that was looked for.
+    List(Option<&'static str>),
+    /// The lattice.
+    Lattice(Box<LatticeScene>),
+}
+
+impl PathChoice {
+    /// The path of `problem` on this kind of machine: the fastest that `wish` allows.
+    ///
+    /// # Errors
+    /// [`SolverError::NoLattice`] where the lattice is wanted and cannot be had.
+    pub fn new(
+        problem: &Problem,
+        machine: MachineKind,
+        wish: PathWish,
+    ) -> Result<Self, SolverError> {
+        let scene = match (wish, machine) {
+            (PathWish::List, _) => return Ok(Self::List(None)),
+            (_, MachineKind::Gpu(_)) => Err("the GPU has the list path alone"),
+            (_, MachineKind::Cpu) => LatticeScene::of(problem),
+        };
+        match (scene, wish) {
+            (Ok(scene), _) => Ok(Self::Lattice(Box::new(scene))),
+            (Err(why), PathWish::Lattice) => Err(SolverError::NoLattice { why }),
+            (Err(why), _) => Ok(Self::List(Some(why))),
+        }
+    }
 }
 
 impl Path {
@@ -32,6 +81,7 @@ impl Path {
     pub fn name(self) -> &'static str {
         match self {
             Self::List => "list",
+            Self::Lattice => "lattice",
         }
     }
 }
@@ -80,20 +130,29 @@ pub struct LeftOut {
 }
 
 impl Plan {
-    /// The plan of `problem` on this kind of machine.
-    pub fn new(problem: &Problem, machine: MachineKind) -> Self {
+    /// The plan of `problem` on this kind of machine; `entries` is the number of neighbours over
+    /// all particles.
+    pub fn new(problem: &Problem, machine: MachineKind, choice: &PathChoice, entries: u64) -> Self {
         let needs = Needs::of(problem);
-        let left_out = left_out(problem, machine, needs);
-        Self { machine, path: Path::List, needs, left_out }
+        let (path, why_no_lattice) = match choice {
+            PathChoice::List(why) => (Path::List, *why),
+            PathChoice::Lattice(_) => (Path::Lattice, None),
+        };
+        let left_out = left_out(problem, machine, needs, path, entries);
+        Self { machine, path, why_no_lattice, needs, left_out }
     }
 
     /// The passes of a run, in order.
     pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
-        let mut passes = match self.machine {
-            MachineKind::Cpu => vec!["sort", "survey", "rows"],
-            MachineKind::Gpu(_) => gpu::passes::SETUP.to_vec(),
+        let mut passes = match (self.path, self.machine) {
+            (Path::Lattice, _) => vec!["stencil"],
+            (Path::List, MachineKind::Cpu) => vec!["sort", "survey", "rows"],
+            (Path::List, MachineKind::Gpu(_)) => gpu::passes::SETUP.to_vec(),
         };
-        if self.needs.walls != WallNeeds::None {
+        // Insulation is part of a stencil.
+        let least =
+            if self.path == Path::Lattice { WallNeeds::Steady } else { WallNeeds::Insulated };
+        if self.needs.walls >= least {
             passes.push(gpu::passes::WALL_SETUP);
         }
         if problem.time.end > 0.0 {
@@ -123,28 +182,60 @@ impl Plan {
     pub fn memory_bytes(&self, problem: &Problem, entries: u64) -> u64 {
         let particles = problem.particles.len() as u64;
         let real = self.machine.precision().bytes();
-        // Two states and the saved one; order and start, or length, of each row.
-        let by_particle = 3 * real + 8;
-        entries * (4 + real) + particles * by_particle
+        match self.path {
+            // Two states and the saved one; order and start, or length, of each row.
+            Path::List => entries * (4 + real) + particles * (3 * real + 8),
+            Path::Lattice => particles * 3 * real,
+        }
     }
 }
 
-fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOut> {
+/// What a run does without.
+fn left_out(
+    problem: &Problem,
+    machine: MachineKind,
+    needs: Needs,
+    path: Path,
+    entries: u64,
+) -> Vec<LeftOut> {
     let particles = problem.particles.len() as u64;
-    let on_gpu = machine != MachineKind::Cpu;
     let real = machine.precision().bytes();
     let mut list = Vec::new();
     let mut leave = |what, why, bytes_saved| list.push(LeftOut { what, why, bytes_saved });
-    if !needs.held {
-        // The CPU path would keep the starts of a second set of rows, the GPU an accumulator.
-        let bytes = particles * if on_gpu { real } else { 8 };
-        leave("exchange of held particles", "no particle is held", bytes);
-    }
-    if on_gpu && !needs.coefficients {
-        let why = "all particles share one volume and one diffusivity";
-        leave("volume and diffusivity by particle", why, particles * 2 * real);
+    if path == Path::Lattice {
+        let why = "the particles fill a lattice: the sum over neighbours is one stencil";
+        leave("neighbour list and weights", why, entries * (4 + real) + particles * 8);
+        leave("sorting into cells", why, particles * 4);
+    } else {
+        leave_of_list(problem, machine, needs, &mut leave);
     }
     leave_walls(problem, needs.walls, &mut leave);
+    if !needs.held {
+        // The rows of the CPU path would keep the starts of a second set, the GPU an accumulator.
+        let bytes = match (path, machine) {
+            (Path::Lattice, _) => 0,
+            (Path::List, MachineKind::Cpu) => particles * 8,
+            (Path::List, MachineKind::Gpu(_)) => particles * real,
+        };
+        leave("exchange of held particles", "no particle is held", bytes);
+    }
+    if problem.time.end == 0.0 {
+        leave("time steps", "the simulated time is 0", 0);
+    }
+    list
+}
+
+fn leave_of_list(
+    problem: &Problem,
+    machine: MachineKind,
+    needs: Needs,
+    leave: &mut impl FnMut(&'static str, &'static str, u64),
+) {
+    if machine != MachineKind::Cpu && !needs.coefficients {
+        let why = "all particles share one volume and one diffusivity";
+        let bytes = problem.particles.len() as u64 * 2 * machine.precision().bytes();
+        leave("volume and diffusivity by particle", why, bytes);
+    }
     if !needs.periodic {
         leave("nearest images", "no axis is periodic", 0);
     }
@@ -152,10 +243,6 @@ fn left_out(problem: &Problem, machine: MachineKind, needs: Needs) -> Vec<LeftOu
         let why = "the scene has fewer than three dimensions";
         leave("neighbour cells along the axes past the dimension", why, 0);
     }
-    if problem.time.end == 0.0 {
-        leave("time steps", "the simulated time is 0", 0);
-    }
-    list
 }
 
 /// Bytes of a particle: position, volume, value and material.
@@ -195,7 +282,7 @@ mod tests {
     use crate::model::{Condition, Face, KernelKind, ScalarField, Wall};
 
     fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
-        let plan = Plan::new(problem, machine);
+        let plan = Plan::new(problem, machine, &PathChoice::List(None), 0);
         plan.left_out.iter().map(|left| (left.what, left.bytes_saved)).collect()
     }
 
@@ -203,10 +290,10 @@ mod tests {
     fn a_plain_scene_leaves_everything_out() {
         let problem = lattice(KernelKind::CubicSpline, 3, [4, 4, 4], 0.5, 2.0);
         let expected = [
-            ("exchange of held particles", 256),
             ("volume and diffusivity by particle", 512),
-            ("wall fold", 0),
             ("nearest images", 0),
+            ("wall fold", 0),
+            ("exchange of held particles", 256),
         ];
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
     }
@@ -234,7 +321,7 @@ mod tests {
         let mut problem = lattice(KernelKind::CubicSpline, 2, [4, 4, 1], 0.5, 2.0);
         let mut found = |condition: Condition| {
             problem.walls = vec![wall(condition)];
-            let plan = Plan::new(&problem, MachineKind::Cpu);
+            let plan = Plan::new(&problem, MachineKind::Cpu, &PathChoice::List(None), 0);
             let has = |what: &str| plan.left_out.iter().any(|left| left.what == what);
             let passes = plan.passes(&problem);
             let runs = |pass: &str| passes.contains(&pass);

@@ -3,4 +3,4 @@
 mod recorder;
 mod run;
 
-pub use run::{Assembled, Outcome, Prepared, RunError, RunOptions, prepare, run};
+pub use run::{Operator, Outcome, Prepared, RunError, RunOptions, lattice_walls, prepare, run};

@@ -9,7 +9,9 @@ use super::recorder::Recorder;
 use crate::case::Scene;
 use crate::model::Problem;
 use crate::model::integrator::Schedule;
-use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey};
+use crate::model::lattice::LatticeScene;
+use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
+use crate::model::operator::{WallNeeds, WallRows};
 use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
@@ -18,9 +20,10 @@ use crate::report::run::{
 use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::GpuBackend;
+use crate::solver::lattice::LatticeBackend;
 use crate::solver::{
-    Backend, Machine, MachineKind, Plan, Progress, SolverError, Step, advance, choose_step,
-    measure_limit,
+    Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Progress, SolverError, Step,
+    advance, choose_step, measure_limit,
 };
 
 /// Points of the exact curve of a profile.
@@ -31,6 +34,8 @@ const CURVE_POINTS: u32 = 600;
 pub struct RunOptions<'a> {
     /// Where it runs.
     pub machine: &'a Machine,
+    /// Which path it takes.
+    pub path: PathWish,
     /// Whether a step above the stability limit may run.
     pub allow_unstable: bool,
     /// Where files go; none are written without it.
@@ -42,7 +47,13 @@ pub struct RunOptions<'a> {
 impl<'a> RunOptions<'a> {
     /// A run on `machine` that starts now, writes no files and refuses an unstable step.
     pub fn new(machine: &'a Machine) -> Self {
-        Self { machine, allow_unstable: false, folder: None, started: Instant::now() }
+        Self {
+            machine,
+            path: PathWish::Auto,
+            allow_unstable: false,
+            folder: None,
+            started: Instant::now(),
+        }
     }
 }
 
@@ -102,18 +113,23 @@ pub fn run(
     let problem = &scene.problem;
     // Only the CPU path keeps the rows; a device builds its own.
     let keep_rows = matches!(options.machine, Machine::Cpu);
-    let (prepared, rows) =
-        prepare(problem, options.machine.kind(), options.allow_unstable, keep_rows)?;
-    match (options.machine, rows) {
+    let choice = PathChoice::new(problem, options.machine.kind(), options.path)?;
+    let (prepared, operator) =
+        prepare(problem, options.machine.kind(), choice, options.allow_unstable, keep_rows)?;
+    match (options.machine, operator) {
         (Machine::Gpu { device, precision }, _) => {
             let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
             solve(scene, options, &prepared, backend, progress)
         }
-        (Machine::Cpu, Some(Assembled { order, rows })) => {
+        (Machine::Cpu, Some(Operator::Rows { order, rows })) => {
             let backend = CpuBackend::new(problem, order, rows);
             solve(scene, options, &prepared, backend, progress)
         }
-        (Machine::Cpu, None) => unreachable!("the CPU path has asked for its rows"),
+        (Machine::Cpu, Some(Operator::Lattice { scene: lattice, walls })) => {
+            let backend = LatticeBackend::new(problem, *lattice, walls);
+            solve(scene, options, &prepared, backend, progress)
+        }
+        (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
     }
 }
 
@@ -128,28 +144,84 @@ pub struct Prepared {
     pub plan: Plan,
 }
 
-/// The matrix of a scene.
+/// The operator of a scene on the CPU.
 #[derive(Debug)]
-pub struct Assembled {
-    /// The particle at each rank.
-    pub order: Vec<u32>,
-    /// The rows, by rank.
-    pub rows: Rows,
+pub enum Operator {
+    /// Assembled rows.
+    Rows {
+        /// The particle at each rank.
+        order: Vec<u32>,
+        /// The rows, by rank.
+        rows: Rows,
+    },
+    /// A stencil.
+    Lattice {
+        /// The lattice.
+        scene: Box<LatticeScene>,
+        /// What walls add to it, by site.
+        walls: WallRows,
+    },
 }
 
-/// Surveys the pairs of `problem`, chooses its step and plans its run; with `keep_rows`, the matrix
-/// as well.
+/// Surveys the pairs of `problem`, chooses its step and plans its run on the path of `choice`; with
+/// `keep`, the operator as well.
 ///
 /// # Errors
-/// A step above the stability limit; coincident particles where the kernel has no weight for them.
+/// A step above the stability limit; coincident particles where the kernel has no weight for them;
+/// walls and surfaces that make no sense.
 pub fn prepare(
     problem: &Problem,
     machine: MachineKind,
+    choice: PathChoice,
     allow_unstable: bool,
-    keep_rows: bool,
-) -> Result<(Prepared, Option<Assembled>), SolverError> {
+    keep: bool,
+) -> Result<(Prepared, Option<Operator>), SolverError> {
+    match &choice {
+        PathChoice::List(_) => prepare_list(problem, machine, &choice, allow_unstable, keep),
+        PathChoice::Lattice(scene) => {
+            let survey = scene.survey(problem);
+            let walls = lattice_walls(problem, scene)?;
+            let step = choose_step(problem, &survey, allow_unstable, || {
+                let grid = cell_grid(problem);
+                measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
+            })?;
+            let plan = Plan::new(problem, machine, &choice, survey.entries);
+            let PathChoice::Lattice(scene) = choice else { unreachable!("it has been one above") };
+            let operator = keep.then_some(Operator::Lattice { scene, walls });
+            Ok((Prepared { survey, step, plan }, operator))
+        }
+    }
+}
+
+/// What walls add to a lattice beyond its stencil, by site.
+///
+/// # Errors
+/// Walls that make no sense.
+pub fn lattice_walls(problem: &Problem, scene: &LatticeScene) -> Result<WallRows, SolverError> {
+    if WallNeeds::of(problem) < WallNeeds::Steady {
+        return Ok(WallRows::default());
+    }
     let grid = cell_grid(problem);
-    let (survey, mut rows) = if keep_rows {
+    let fold = wall_fold(problem, &grid);
+    if let Some(fault) = fold.fault {
+        return Err(SolverError::of_fault(problem, fault));
+    }
+    let sites = scene.sites();
+    Ok(fold.rows.renumbered(|rank| {
+        let particle = grid.order()[rank as usize];
+        sites.as_ref().map_or(particle, |sites| sites[particle as usize])
+    }))
+}
+
+fn prepare_list(
+    problem: &Problem,
+    machine: MachineKind,
+    choice: &PathChoice,
+    allow_unstable: bool,
+    keep: bool,
+) -> Result<(Prepared, Option<Operator>), SolverError> {
+    let grid = cell_grid(problem);
+    let (survey, mut rows) = if keep {
         let (survey, rows) = assemble(problem, &grid);
         (survey, Some(rows))
     } else {
@@ -161,9 +233,10 @@ pub fn prepare(
         let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
         measure_limit(problem, grid.order(), rows)
     })?;
-    let plan = Plan::new(problem, machine);
-    let rows = rows.filter(|_| keep_rows).map(|rows| Assembled { order: grid.into_order(), rows });
-    Ok((Prepared { survey, step, plan }, rows))
+    let plan = Plan::new(problem, machine, choice, survey.entries);
+    let rows = rows.filter(|_| keep);
+    let operator = rows.map(|rows| Operator::Rows { order: grid.into_order(), rows });
+    Ok((Prepared { survey, step, plan }, operator))
 }
 
 fn solve<B: Backend>(

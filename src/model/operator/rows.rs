@@ -106,6 +106,8 @@ pub struct WallFold {
     pub weight: Vec<(u32, u32, f64)>,
     /// The rows with more than weights.
     pub rows: WallRows,
+    /// What is wrong with a wall or surface, if anything is.
+    pub fault: Option<Fault>,
 }
 
 /// Walks over the particles near walls and stores what these add.
@@ -117,13 +119,14 @@ pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
     }
     let parts: Vec<Part> =
         tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Walls)).collect();
-    let mut weight = Vec::new();
+    let (mut weight, mut fault) = (Vec::new(), None);
     let mut walls = WallRowsBuilder::default();
     for part in parts {
+        fault = fault.or(part.survey.fault);
         weight.extend(part.folded);
         walls.append(part.walls);
     }
-    WallFold { weight, rows: walls.finish(problem) }
+    WallFold { weight, rows: walls.finish(problem), fault }
 }
 
 /// What a walk stores.
@@ -260,6 +263,7 @@ impl Part {
         let Some(fold) = row.fold else {
             return;
         };
+        self.survey.note_fold(fold);
         let weights = row.neighbors.iter().zip(&fold.weight).filter(|(_, weight)| **weight != 0.0);
         self.folded.extend(weights.map(|(n, weight)| (row.rank as u32, n.rank, *weight)));
         self.add_wall_row(problem, row);
@@ -274,7 +278,8 @@ impl Part {
 }
 
 impl Survey {
-    const EMPTY: Self = Self {
+    /// That of no particle.
+    pub(in crate::model) const EMPTY: Self = Self {
         entries: 0,
         most_neighbors: 0,
         rate_bound: 0.0,
@@ -307,7 +312,7 @@ impl Survey {
     }
 
     /// Takes a row whose diagonal is -`diagonal` and whose negative weights add up to -`negative`.
-    fn note_diagonal(&mut self, diagonal: f64, negative: f64) {
+    pub(in crate::model) fn note_diagonal(&mut self, diagonal: f64, negative: f64) {
         // Mirrors subtract nearly equal weights; what rounding leaves of them is no sign.
         let bound = if negative <= ROUNDING * diagonal { diagonal } else { diagonal + negative };
         self.rate_bound = self.rate_bound.max(bound);
@@ -318,7 +323,8 @@ impl Survey {
         self.fault = self.fault.or(fold.fault);
     }
 
-    fn note_density(&mut self, density: f64) {
+    /// Takes a density, kg/m^dim.
+    pub(in crate::model) fn note_density(&mut self, density: f64) {
         self.min_density = self.min_density.min(density);
         self.max_density = self.max_density.max(density);
     }

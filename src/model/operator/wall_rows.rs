@@ -124,6 +124,32 @@ impl WallRowsBuilder {
 }
 
 impl WallRows {
+    /// The same rows with other ranks, `to` of the present ones, in ascending order again.
+    pub fn renumbered(&self, to: impl Fn(u32) -> u32) -> Self {
+        let mut from: Vec<u32> = (0..self.len() as u32).collect();
+        from.sort_by_key(|&row| to(self.rank[row as usize]));
+        let mut place = vec![0; from.len()];
+        for (new, &old) in (0..).zip(&from) {
+            place[old as usize] = new;
+        }
+        let taken = |values: &[f64]| from.iter().map(|&row| values[row as usize]).collect();
+        let Source { fixed, points, terms } = &self.source;
+        let moved = |&(row, point, coefficient): &(u32, u32, f64)| {
+            (place[row as usize], point, coefficient)
+        };
+        Self {
+            rank: from.iter().map(|&row| to(self.rank[row as usize])).collect(),
+            diagonal: taken(&self.diagonal),
+            flow: taken(&self.flow),
+            volume: taken(&self.volume),
+            source: Source {
+                fixed: taken(fixed),
+                points: points.clone(),
+                terms: terms.iter().map(moved).collect(),
+            },
+        }
+    }
+
     /// How many rows there are.
     pub fn len(&self) -> usize {
         self.rank.len()
@@ -182,7 +208,7 @@ impl WallRows {
     }
 
     /// Bytes that the rows hold.
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let by_row = size_of::<u32>() + 4 * size_of::<f64>();
         let Source { points, terms, .. } = &self.source;
         self.rank.len() * by_row + size_of_val(&**points) + size_of_val(&**terms)

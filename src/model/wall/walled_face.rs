@@ -30,6 +30,14 @@ impl<'a> WalledFace<'a> {
         self.face
     }
 
+    /// The wall, if it is one that covers all of the face.
+    pub fn only(&self) -> Option<&'a Wall> {
+        match self.walls[..] {
+            [(_, wall)] if wall.covers.is_none() => Some(wall),
+            _ => None,
+        }
+    }
+
     /// Whether some wall covers only a part of it.
     pub fn has_patches(&self) -> bool {
         self.walls.iter().any(|(_, wall)| wall.covers.is_some())

@@ -24,7 +24,7 @@ impl Walls {
     /// The walls of `problem` for rows in `order`, scaled by the reference step (s).
     pub(super) fn new(problem: &Problem, order: &[u32], reference_step: f64) -> Self {
         let grid = cell_grid(problem);
-        let WallFold { weight, rows } = wall_fold(problem, &grid);
+        let WallFold { weight, rows, .. } = wall_fold(problem, &grid);
         let mut row_of_particle = vec![0_u32; order.len()];
         for (row, &particle) in (0..).zip(order) {
             row_of_particle[particle as usize] = row;

@@ -1,6 +1,13 @@
-//! Sums over the infinite lattice.
+//! Sums over the infinite lattice, and scenes whose particles fill one.
+
+mod edge;
+mod scene;
+mod survey;
 
 use glam::DVec3;
+
+pub use edge::{Edge, End, Site};
+pub use scene::{LatticeScene, LineClass};
 
 use super::Kernel;
 
@@ -35,5 +42,4 @@ pub fn effective_diffusivity_ratio(kernel: &Kernel, spacing: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "lattice_tests.rs"]
 mod tests;

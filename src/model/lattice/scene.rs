@@ -1,0 +1,241 @@
+//! Scenes whose particles fill a box lattice, where the sum over neighbours is a stencil.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Edge, End, for_each_neighbor};
+use crate::model::operator::PairWeight;
+use crate::model::wall::WalledFace;
+use crate::model::{Face, Problem, WallKind};
+
+/// A particle this close to its site (in spacings) is on it.
+const ON_SITE: f64 = 1e-9;
+
+/// A full lattice of one material: counts, order, edges and stencil.
+#[derive(Clone, Debug)]
+pub struct LatticeScene {
+    /// Particles along each axis; 1 along axes past the dimension.
+    pub counts: [usize; 3],
+    /// The particle at each site, x fastest; `None` where that is the order of the particles.
+    pub order: Option<Vec<u32>>,
+    /// What lies past the ends of each axis.
+    pub edges: [Edge; 3],
+    /// How many sites the stencil reaches along an axis.
+    pub reach: usize,
+    /// The stencil, line by line.
+    pub classes: Vec<LineClass>,
+}
+
+/// The lines of a stencil, parallel to x, that share their weights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineClass {
+    /// Sites to each line along y and z.
+    pub lines: Vec<[isize; 2]>,
+    /// Weight (1/s) of the sites |i| along x, for i from 0; that of the particle itself is 0.
+    pub weights: Vec<f64>,
+}
+
+impl LatticeScene {
+    /// The scene as a lattice.
+    ///
+    /// # Errors
+    /// Why it is none, in words.
+    pub fn of(problem: &Problem) -> Result<Self, &'static str> {
+        let counts = counts(problem)?;
+        check_uniform(problem)?;
+        let order = order(problem, counts)?;
+        let weight = PairWeight::new(problem);
+        let (reach, classes) = stencil(problem, &weight);
+        let edges = edges(problem, &weight, reach)?;
+        Ok(Self { counts, order, edges, reach, classes })
+    }
+
+    /// How many particles there are.
+    pub fn len(&self) -> usize {
+        self.counts.iter().product()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The particle at a site.
+    pub fn particle(&self, site: usize) -> usize {
+        self.order.as_ref().map_or(site, |order| order[site] as usize)
+    }
+
+    /// The site of each particle; `None` where the two are the same.
+    pub fn sites(&self) -> Option<Vec<u32>> {
+        let order = self.order.as_ref()?;
+        let mut sites = vec![0; order.len()];
+        for (site, &particle) in (0..).zip(order) {
+            sites[particle as usize] = site;
+        }
+        Some(sites)
+    }
+
+    /// A field from the problem's order to that of the sites.
+    pub fn by_site(&self, values: &[f64]) -> Vec<f64> {
+        match &self.order {
+            None => values.to_vec(),
+            Some(order) => order.iter().map(|&particle| values[particle as usize]).collect(),
+        }
+    }
+
+    /// A field from the order of the sites to the problem's.
+    pub fn by_particle(&self, values: &[f64]) -> Vec<f64> {
+        let Some(order) = &self.order else {
+            return values.to_vec();
+        };
+        let mut out = vec![0.0; values.len()];
+        for (&particle, value) in order.iter().zip(values) {
+            out[particle as usize] = *value;
+        }
+        out
+    }
+}
+
+/// Particles along each axis, if the domain is a whole number of them and they fill it.
+fn counts(problem: &Problem) -> Result<[usize; 3], &'static str> {
+    let extent = problem.domain.extent();
+    let mut counts = [1; 3];
+    for axis in 0..problem.dimension {
+        let count = extent[axis] / problem.spacing;
+        if (count - count.round()).abs() > ON_SITE * count || count < 0.5 {
+            return Err("the domain is no whole number of spacings");
+        }
+        counts[axis] = count.round() as usize;
+    }
+    let sites = counts.iter().fold(1_usize, |n, &count| n.saturating_mul(count));
+    if sites != problem.particles.len() {
+        return Err("the particles do not fill the box around them");
+    }
+    Ok(counts)
+}
+
+/// One volume and one diffusivity.
+fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
+    let particles = &problem.particles;
+    let volume = problem.spacing.powi(problem.dimension as i32);
+    if !particles.volume.par_iter().all(|v| (v / volume - 1.0).abs() < 1e-12) {
+        return Err("particles differ in volume");
+    }
+    let diffusivity = |&m: &u16| problem.materials[usize::from(m)].diffusivity;
+    let first = particles.material.first().map(diffusivity);
+    if !particles.material.par_iter().all(|m| Some(diffusivity(m)) == first) {
+        return Err("particles differ in diffusivity");
+    }
+    if !problem.surfaces.is_empty() {
+        return Err("a surface that is no face of the domain acts on it");
+    }
+    Ok(())
+}
+
+/// The particle at each site.
+fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'static str> {
+    let site = |x: &DVec3| -> Option<usize> {
+        let mut index = 0;
+        for axis in (0..3).rev() {
+            let place = match axis < problem.dimension {
+                true => (x[axis] - problem.domain.min[axis]) / problem.spacing - 0.5,
+                false => 0.0,
+            };
+            let near = place.round();
+            if (place - near).abs() > ON_SITE * counts[axis].max(1000) as f64
+                || near < 0.0
+                || near >= counts[axis] as f64
+            {
+                return None;
+            }
+            index = index * counts[axis] + near as usize;
+        }
+        Some(index)
+    };
+    let off = "a particle is not on its site of the lattice";
+    let position = &problem.particles.position;
+    if position.par_iter().enumerate().all(|(particle, x)| site(x) == Some(particle)) {
+        return Ok(None);
+    }
+    let mut order = vec![u32::MAX; position.len()];
+    for (particle, x) in (0..).zip(position) {
+        let place = &mut order[site(x).ok_or(off)?];
+        if *place != u32::MAX {
+            return Err("two particles are on one site of the lattice");
+        }
+        *place = particle;
+    }
+    Ok(Some(order))
+}
+
+/// The reach of the stencil in sites, and its lines. Lines at one distance share their weights.
+fn stencil(problem: &Problem, weight: &PairWeight<'_>) -> (usize, Vec<LineClass>) {
+    let mut entries: Vec<([isize; 3], f64)> = Vec::new();
+    for_each_neighbor(&problem.kernel, problem.spacing, |offset| {
+        let steps = (offset / problem.spacing).to_array().map(|x| x.round() as isize);
+        if steps[0] >= 0 {
+            entries.push((steps, weight.of(0, 0, offset.length())));
+        }
+    });
+    let distance = |[_, y, z]: [isize; 3]| y * y + z * z;
+    let mut distances: Vec<isize> = entries.iter().map(|(steps, _)| distance(*steps)).collect();
+    distances.sort_unstable();
+    distances.dedup();
+    let class = |&squared: &isize| {
+        let on = |entry: &&([isize; 3], f64)| distance(entry.0) == squared;
+        let mut lines: Vec<[isize; 2]> =
+            entries.iter().filter(on).map(|([_, y, z], _)| [*z, *y]).collect();
+        lines.sort_unstable();
+        lines.dedup();
+        let reach = entries.iter().filter(on).map(|([x, ..], _)| *x as usize).max().unwrap_or(0);
+        let mut weights = vec![0.0; reach + 1];
+        for ([x, ..], weight) in entries.iter().filter(on) {
+            weights[*x as usize] = *weight;
+        }
+        LineClass { lines: lines.into_iter().map(|[z, y]| [y, z]).collect(), weights }
+    };
+    let classes: Vec<LineClass> = distances.iter().map(class).collect();
+    let reach = entries.iter().flat_map(|(steps, _)| steps.map(isize::unsigned_abs)).max();
+    (reach.unwrap_or(0), classes)
+}
+
+/// What lies past the ends of each axis.
+fn edges(
+    problem: &Problem,
+    weight: &PairWeight<'_>,
+    reach: usize,
+) -> Result<[Edge; 3], &'static str> {
+    let walled = WalledFace::all(&problem.walls, problem.dimension);
+    let end = |face: Face| -> Result<End, &'static str> {
+        let Some(walls) = walled.iter().find(|walled| walled.face() == face) else {
+            return Ok(End::Free);
+        };
+        let Some(wall) = walls.only() else {
+            return Err("a face has walls of several kinds, or on a part of it");
+        };
+        let condition = &wall.condition;
+        if condition.coefficient.depends_on_position() {
+            return Err("the coefficient of a convection wall depends on position");
+        }
+        let at = face.foot(&problem.domain, problem.domain.min);
+        let factor = |layer: usize| {
+            let distance = (layer as f64 + 0.5) * problem.spacing;
+            condition.mirror(weight.conductivity(0, 0), distance, at).map(|mirror| mirror.scale)
+        };
+        let factors: Option<Vec<f64>> = (0..reach).map(factor).collect();
+        Ok(factors.map_or(End::Free, End::Mirror))
+    };
+    let mut edges = [const { Edge::Periodic }; 3];
+    for (axis, edge) in edges.iter_mut().enumerate().take(problem.dimension) {
+        if !problem.domain.periodic[axis] {
+            let face = |upper| Face { axis, upper };
+            *edge = Edge::Open([end(face(false))?, end(face(true))?]);
+        }
+    }
+    let is_convection = |w: &crate::model::Wall| w.condition.kind == WallKind::Convection;
+    let is_free = |edge: &Edge| edge.is_free(false) || edge.is_free(true);
+    if problem.walls.iter().any(is_convection) && edges.iter().any(is_free) {
+        return Err("a convection wall meets a free face");
+    }
+    Ok(edges)
+}

@@ -1,0 +1,152 @@
+//! What a lattice's stencil tells about a scene, without a walk over its particles.
+
+use glam::DVec3;
+
+use super::{Edge, End, LatticeScene, Site};
+use crate::model::Problem;
+use crate::model::operator::rows::Survey;
+
+/// A place along an axis, standing for all that find the same around them.
+#[derive(Clone, Copy)]
+struct Place {
+    at: usize,
+    /// How many it stands for.
+    count: usize,
+}
+
+impl LatticeScene {
+    /// The survey of `problem`, whose lattice this is: that of [`crate::model::operator::rows`],
+    /// from one particle of each kind of place.
+    pub fn survey(&self, problem: &Problem) -> Survey {
+        let places = [0, 1, 2].map(|axis| self.places(axis));
+        let mut held = vec![0; places.iter().map(Vec::len).product()];
+        let kind = |[x, y, z]: [usize; 3]| (z * places[1].len() + y) * places[0].len() + x;
+        let sites = self.sites();
+        for &particle in &problem.held {
+            let site = sites.as_ref().map_or(particle, |sites| sites[particle as usize]) as usize;
+            let [nx, ny, _] = self.counts;
+            let at = [site % nx, site / nx % ny, site / (nx * ny)];
+            let of = |axis: usize| self.kind_of_place(axis, at[axis]);
+            held[kind([of(0), of(1), of(2)])] += 1;
+        }
+        let mut survey = Survey { symmetric: self.is_symmetric(), ..Survey::EMPTY };
+        for (z, place_z) in places[2].iter().enumerate() {
+            for (y, place_y) in places[1].iter().enumerate() {
+                for (x, place_x) in places[0].iter().enumerate() {
+                    let count = place_x.count * place_y.count * place_z.count;
+                    let at = [place_x.at, place_y.at, place_z.at];
+                    let free = count - held[kind([x, y, z])];
+                    self.note(problem, at, count, free > 0, &mut survey);
+                }
+            }
+        }
+        survey
+    }
+
+    /// The kinds of places along an axis: each near its ends, and one for all between.
+    fn places(&self, axis: usize) -> Vec<Place> {
+        let (count, reach) = (self.counts[axis], self.reach);
+        if count <= 2 * reach + 1 {
+            return (0..count).map(|at| Place { at, count: 1 }).collect();
+        }
+        let end = |at| Place { at, count: 1 };
+        let between = Place { at: reach, count: count - 2 * reach };
+        (0..reach).map(end).chain([between]).chain((count - reach..count).map(end)).collect()
+    }
+
+    /// Which of [`LatticeScene::places`] stands for `at`.
+    fn kind_of_place(&self, axis: usize, at: usize) -> usize {
+        let (count, reach) = (self.counts[axis], self.reach);
+        if count <= 2 * reach + 1 || at < reach {
+            at
+        } else if at < count - reach {
+            reach
+        } else {
+            at + 2 * reach + 1 - count
+        }
+    }
+
+    /// Whether ghosts hold the same factor whatever their layer.
+    fn is_symmetric(&self) -> bool {
+        let constant = |end: &End| match end {
+            End::Free => true,
+            End::Mirror(factors) => factors.iter().all(|factor| *factor == factors[0]),
+        };
+        let edges = self.edges.iter();
+        edges
+            .filter_map(|edge| if let Edge::Open(ends) = edge { Some(ends) } else { None })
+            .all(|ends| ends.iter().all(constant))
+    }
+
+    /// Calls `visit(steps, weight, sites)` for every place of the stencil around `at` that is not
+    /// past a free end.
+    fn for_each(&self, at: [usize; 3], mut visit: impl FnMut([isize; 3], f64, [Site; 3])) {
+        let site = |axis: usize, step: isize| {
+            self.edges[axis].at(at[axis] as isize + step, self.counts[axis])
+        };
+        for class in &self.classes {
+            for &[y, z] in &class.lines {
+                let (Some(site_y), Some(site_z)) = (site(1, y), site(2, z)) else {
+                    continue;
+                };
+                let reach = class.weights.len() as isize - 1;
+                for x in -reach..=reach {
+                    let weight = class.weights[x.unsigned_abs()];
+                    if let Some(site_x) = site(0, x).filter(|_| weight != 0.0) {
+                        visit([x, y, z], weight, [site_x, site_y, site_z]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What ghosts add to the diagonal of the row at `site`: the sum of w (s - 1) over them, 1/s.
+    pub fn ghost_diagonal(&self, site: usize) -> f64 {
+        let [nx, ny, _] = self.counts;
+        let mut sum = 0.0;
+        self.for_each([site % nx, site / nx % ny, site / (nx * ny)], |_, weight, sites| {
+            let factor: f64 = sites.iter().map(|site| site.factor).product();
+            sum += weight * (factor - 1.0);
+        });
+        sum
+    }
+
+    /// Adds `count` particles like the one at `at`, of which some are `free` or none.
+    fn note(
+        &self,
+        problem: &Problem,
+        at: [usize; 3],
+        count: usize,
+        free: bool,
+        survey: &mut Survey,
+    ) {
+        let (mut neighbors, mut diagonal) = (0, 0.0);
+        let mass = problem.mass(0);
+        let mut density = mass * problem.kernel.w(0.0);
+        let mut columns: Vec<([usize; 3], f64)> = Vec::new();
+        self.for_each(at, |steps, weight, sites| {
+            let column = sites.map(|site| site.index);
+            let factor: f64 = sites.iter().map(|site| site.factor).product();
+            diagonal += weight;
+            if sites.iter().all(|site| !site.is_ghost) {
+                neighbors += 1;
+                let offset = DVec3::from_array(steps.map(|step| step as f64));
+                density += mass * problem.kernel.w((offset * problem.spacing).length());
+            }
+            if column == at {
+                diagonal -= weight * factor;
+            } else if let Some(known) = columns.iter_mut().find(|(known, _)| *known == column) {
+                known.1 += weight * factor;
+            } else {
+                columns.push((column, weight * factor));
+            }
+        });
+        survey.entries += neighbors * count as u64;
+        survey.most_neighbors = survey.most_neighbors.max(neighbors as usize);
+        survey.note_density(density);
+        if free {
+            let negative: f64 = columns.iter().map(|(_, weight)| -weight.min(0.0)).sum();
+            survey.note_diagonal(diagonal, negative);
+        }
+    }
+}

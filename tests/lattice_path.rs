@@ -1,0 +1,249 @@
+//! The lattice path against the list path: the same survey, the same fields, the same exchange.
+
+use std::ops::ControlFlow;
+
+use diffusph::case::{self, Override, Scene};
+use diffusph::model::lattice::LatticeScene;
+use diffusph::model::operator::rows::{assemble, cell_grid, survey};
+use diffusph::model::{KernelKind, Problem};
+use diffusph::report::run::RunReport;
+use diffusph::solver::cpu::CpuBackend;
+use diffusph::solver::{Backend, Machine, PathWish};
+use diffusph::study::{self, RunOptions};
+use serde_json::{Value, json};
+
+/// A box of these counts, with these boundaries.
+fn scene(kernel: KernelKind, support_ratio: f64, counts: &[usize], boundaries: Value) -> Scene {
+    let max: Vec<f64> = counts.iter().map(|&count| 0.25 * count as f64).collect();
+    let wave = ["7.3*x", "7.3*x + 5.1*y", "7.3*x + 5.1*y - 3.7*z"][counts.len() - 1];
+    let case = json!({
+        "title": "box",
+        "dimension": counts.len(),
+        "particles": {
+            "spacing": 0.25,
+            "fill": [{
+                "shape": { "box": { "min": vec![0; counts.len()], "max": max } },
+                "material": "m"
+            }]
+        },
+        "kernel": { "name": kernel.name(), "support_ratio": support_ratio },
+        "materials": { "m": { "diffusivity": 0.7 } },
+        "initial": [{ "value": format!("300 + 10*sin({wave})") }],
+        "boundaries": boundaries,
+        "time": { "end": 1 }
+    });
+    case::from_json("box", case, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Boundaries of every kind that a lattice takes, for a scene of this dimension.
+fn boundaries(dimension: usize) -> Vec<Value> {
+    let axes = &["x", "y", "z"][..dimension];
+    let faces: Vec<String> =
+        axes.iter().flat_map(|axis| ["min", "max"].map(|end| format!("{axis}_{end}"))).collect();
+    let all = |kind: Value| json!([{ "wall": { "faces": faces, "kind": kind } }]);
+    let held = json!({ "held": {
+        "where": { "sphere": { "center": vec![1.1; dimension], "radius": 0.6 } }, "value": 250
+    } });
+    let convection = json!({ "convection": { "coefficient": 2, "ambient": "290 + 3*x" } });
+    let mut list = vec![
+        json!([]),
+        json!([{ "periodic": { "axes": axes } }]),
+        json!([{ "periodic": { "axes": axes } }, held]),
+        json!([held]),
+        all(json!("insulated")),
+        all(json!({ "value": "300 + 20*x" })),
+        all(json!({ "flux": "sin(30*t)" })),
+        all(convection.clone()),
+        // Different kinds on every face, some free.
+        json!([
+            { "wall": { "faces": ["x_min"], "kind": { "flux": 3 } } },
+            { "wall": { "faces": ["x_max"], "kind": { "value": "300 + 5*t" } } }
+        ]),
+    ];
+    if dimension > 1 {
+        list.push(json!([
+            { "periodic": { "axes": ["x"] } },
+            { "wall": { "faces": ["y_min"], "kind": { "value": "300 + 20*sin(40*t)" } } },
+            { "wall": { "faces": ["y_max"], "kind": "insulated" } },
+            held
+        ]));
+    }
+    list
+}
+
+fn list(problem: &Problem) -> CpuBackend {
+    let grid = cell_grid(problem);
+    let (_, rows) = assemble(problem, &grid);
+    CpuBackend::new(problem, grid.into_order(), rows)
+}
+
+/// The lattice backend, the way a run makes it.
+fn lattice(problem: &Problem) -> impl Backend {
+    use diffusph::solver::lattice::LatticeBackend;
+    let scene = LatticeScene::of(problem).expect("a lattice");
+    let walls = study::lattice_walls(problem, &scene).expect("good walls");
+    LatticeBackend::new(problem, scene, walls)
+}
+
+/// The largest difference over the largest value.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let scale = a.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+}
+
+/// How far the two paths are apart after some steps: fields, and exchange over the total.
+fn apart(on_list: &Problem, on_lattice: &Problem) -> (f64, f64) {
+    let dt = 0.9 / survey(on_list, &cell_grid(on_list)).rate_bound;
+    let (mut one, mut other) = (list(on_list), lattice(on_lattice));
+    one.euler(0.0, dt, 40).expect("steps");
+    other.euler(0.0, dt, 40).expect("steps");
+    let (a, b) = (one.read().expect("read"), other.read().expect("read"));
+    let total: f64 = on_list.particles.volume.iter().sum::<f64>() * 300.0;
+    let exchange = one.exchange().expect("exchange") - other.exchange().expect("exchange");
+    (difference(a.as_ref(), b.as_ref()), exchange.abs() / total)
+}
+
+/// Counts past twice the reach of every stencil here, and other than each other.
+const COUNTS: [&[usize]; 3] = [&[37], &[13, 11], &[9, 10, 11]];
+
+#[test]
+fn surveys_and_fields_agree_for_every_kernel_dimension_support_and_boundary() {
+    for kernel in KernelKind::ALL {
+        for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+            for support_ratio in [1.5, 2.0, 3.0, 3.7] {
+                // In 3-D wide supports of every kernel take long, and have the same stencil.
+                if dimension == 3 && support_ratio > 2.0 && kernel != KernelKind::WendlandC2 {
+                    continue;
+                }
+                for boundaries in boundaries(dimension) {
+                    let name = format!("{kernel:?} {dimension}-D {support_ratio} {boundaries}");
+                    let counts = COUNTS[dimension - 1];
+                    let problem = scene(kernel, support_ratio, counts, boundaries).problem;
+                    let convective = name.contains("convection");
+                    let found = LatticeScene::of(&problem).expect("a lattice").survey(&problem);
+                    let expected = survey(&problem, &cell_grid(&problem));
+                    assert_eq!(found.entries, expected.entries, "{name}");
+                    assert_eq!(found.most_neighbors, expected.most_neighbors, "{name}");
+                    assert!(convective || found.symmetric == expected.symmetric, "{name}");
+                    for (a, b) in [
+                        (found.rate_bound, expected.rate_bound),
+                        (found.min_density, expected.min_density),
+                        (found.max_density, expected.max_density),
+                    ] {
+                        assert!((a / b - 1.0).abs() < 1e-12, "{name}: {a} {b}");
+                    }
+                    let (fields, exchange) = apart(&problem, &problem);
+                    assert!(fields < 1e-13, "{name}: fields {fields:e}");
+                    assert!(exchange < 1e-13, "{name}: exchange {exchange:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_changed_number_is_noticed() {
+    for boundaries in boundaries(2) {
+        let problem = scene(KernelKind::WendlandC4, 3.0, COUNTS[1], boundaries).problem;
+        let mut changed = problem.clone();
+        changed.materials[0].diffusivity *= 1.0 + 1e-6;
+        assert!(apart(&problem, &changed).0 > 1e-13);
+    }
+}
+
+#[test]
+fn large_lattices_in_parallel_agree_too_and_in_any_order_of_particles() {
+    let periodic = json!([{ "periodic": { "axes": ["y"] } }]);
+    let mut problem = scene(KernelKind::CubicSpline, 2.0, &[50, 40, 30], periodic).problem;
+    assert!(apart(&problem, &problem).0 < 1e-13);
+    problem.held = vec![17, 5000, 5001, 40_000];
+    let last = problem.particles.len() - 1;
+    for (a, b) in [(0, last), (17, 333), (12_345, 54_321)] {
+        problem.particles.position.swap(a, b);
+        problem.initial.swap(a, b);
+    }
+    let scene = LatticeScene::of(&problem).expect("a lattice");
+    assert!(scene.order.is_some());
+    let (fields, exchange) = apart(&problem, &problem);
+    assert!(fields < 1e-13 && exchange < 1e-13, "{fields:e} {exchange:e}");
+    let long = scene_of_a_line(100_000);
+    assert!(apart(&long, &long).0 < 1e-13);
+}
+
+fn scene_of_a_line(count: usize) -> Problem {
+    let flux = json!([{ "wall": { "faces": ["x_min"], "kind": { "flux": 1 } } }]);
+    scene(KernelKind::WendlandC2, 3.0, &[count], flux).problem
+}
+
+#[test]
+fn what_is_no_lattice_takes_the_list_and_says_why() {
+    let whole = scene(KernelKind::CubicSpline, 2.0, &[8, 8], json!([])).problem;
+    let why = |change: &dyn Fn(&mut Problem)| {
+        let mut problem = whole.clone();
+        change(&mut problem);
+        LatticeScene::of(&problem).expect_err("no lattice")
+    };
+    assert!(LatticeScene::of(&whole).is_ok());
+    let one_short = why(&|problem| {
+        problem.particles.position.pop();
+        problem.particles.volume.pop();
+        problem.particles.material.pop();
+        problem.initial.pop();
+    });
+    assert_eq!(one_short, "the particles do not fill the box around them");
+    let moved = why(&|problem| problem.particles.position[5].x += 1e-4);
+    assert_eq!(moved, "a particle is not on its site of the lattice");
+    let twice = why(&|problem| problem.particles.position[5] = problem.particles.position[4]);
+    assert_eq!(twice, "two particles are on one site of the lattice");
+    assert_eq!(why(&|problem| problem.particles.volume[3] *= 1.1), "particles differ in volume");
+}
+
+/// The report of a shipped case with these changes on this path.
+fn report(name: &str, path: PathWish, set: &[&str]) -> RunReport {
+    let parse = |text: &&str| Override::parse(text).expect("an override");
+    let overrides: Vec<Override> = set.iter().map(parse).collect();
+    let scene = case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let options = RunOptions { path, ..RunOptions::new(&Machine::Cpu) };
+    let run = study::run(&scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
+    run.report
+}
+
+#[test]
+fn shipped_cases_take_the_path_that_they_can() {
+    for (name, _) in case::shipped() {
+        let coarse: &[&str] = match name.as_str() {
+            "constant" | "affine" => &[
+                "particles.spacing=5",
+                "time.step=4e4",
+                "output={}",
+                "probes=[]",
+                "boundaries.1.held.where.box.max.0=5",
+                "boundaries.2.held.where.box.min.0=45",
+            ],
+            "gaussian" => &["particles.spacing=5", "time.step=4e4", "output={}", "probes=[]"],
+            "constant_column" | "affine_column" => &["time.end=225*400", "output={}"],
+            _ => &[],
+        };
+        let taken = report(&name, PathWish::Auto, coarse);
+        let round = ["annulus", "annulus_steady", "sphere_cooling", "sphere_convection"];
+        let is_list = round.contains(&name.as_str()) || name == "patches";
+        assert_eq!(taken.path, if is_list { "list" } else { "lattice" }, "{name}");
+        if is_list {
+            continue;
+        }
+        let left = |what: &str| taken.left_out.iter().any(|left| left.what == what);
+        assert!(left("neighbour list and weights") && left("sorting into cells"), "{name}");
+        let general = report(&name, PathWish::List, coarse);
+        assert_eq!(taken.steps, general.steps, "{name}");
+        let pairs = [
+            (taken.field.min, general.field.min),
+            (taken.field.max, general.field.max),
+            (taken.field.mean, general.field.mean),
+            (taken.conserved.last, general.conserved.last),
+        ];
+        for (a, b) in pairs {
+            assert!((a - b).abs() <= 1e-12 * b.abs(), "{name}: {a} {b}");
+        }
+    }
+}
