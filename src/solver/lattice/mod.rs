@@ -14,12 +14,15 @@ use crate::model::lattice::LatticeScene;
 use crate::model::operator::WallRows;
 use crate::model::sum::CompensatedSum;
 
-use kernel::{BLOCK, Scratch};
+use kernel::{Combine, Run, Scratch};
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
 /// Below this many particles one thread is faster than handing out tasks for every step.
 const SERIAL: usize = 1 << 15;
+
+/// The rate alone.
+const RATE: Combine = Combine { share: 0.0, scale: 1.0 };
 
 /// A lattice in memory. States are in the order of the sites.
 pub struct LatticeBackend {
@@ -80,14 +83,19 @@ impl LatticeBackend {
         if nx < TASK { nx * (TASK / nx).max(1) } else { TASK }
     }
 
-    /// `out = combine(own, rate)` everywhere, and what entered a second: value x volume / s.
-    fn apply(&self, out: &mut [f64], combine: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
+    /// Writes what `combine` makes of values and rates everywhere; returns what entered a second,
+    /// value x volume / s.
+    fn apply(&self, out: &mut [f64], combine: Combine) -> f64 {
         let task = self.task();
-        let advance = |(k, out): (usize, &mut [f64])| self.advance(k * task, out, &combine);
+        let scratch = || Scratch::new(&self.scene);
+        let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
+            self.advance(scratch, k * task, out, combine)
+        };
         let entered: Vec<f64> = if out.len() < SERIAL {
-            out.chunks_mut(task).enumerate().map(advance).collect()
+            let mut scratch = scratch();
+            out.chunks_mut(task).enumerate().map(|part| advance(&mut scratch, part)).collect()
         } else {
-            out.par_chunks_mut(task).enumerate().map(advance).collect()
+            out.par_chunks_mut(task).enumerate().map_init(scratch, advance).collect()
         };
         let through_walls = match self.walls.is_empty() {
             true => 0.0,
@@ -99,53 +107,56 @@ impl LatticeBackend {
     /// Writes the values from `first` on; returns what the held ones among them gave.
     fn advance(
         &self,
+        scratch: &mut Scratch,
         first: usize,
         out: &mut [f64],
-        combine: &(impl Fn(f64, f64) -> f64 + Sync),
+        combine: Combine,
     ) -> f64 {
-        let [nx, ny, _] = self.scene.counts;
-        let mut scratch = Scratch::new(&self.scene);
-        let mut given = 0.0;
-        let (mut done, mut line) = (0, usize::MAX);
+        let (mut given, mut done) = (0.0, 0);
         while done < out.len() {
-            let site = first + done;
-            let x = site % nx;
-            if site / nx != line {
-                line = site / nx;
-                scratch.enter_line(&self.scene, line % ny, line / ny);
+            let run = Run::starting(&self.scene, first + done, out.len() - done);
+            let out = &mut out[done..done + run.length];
+            let sites = run.first..run.first + run.length;
+            done += run.length;
+            if !self.is_exceptional(&sites) {
+                scratch.work(&self.scene, &self.state, &run, combine, out);
+                continue;
             }
-            let length = BLOCK.min(nx - x).min(out.len() - done);
-            scratch.block(&self.scene, &self.state, x..x + length);
-            given += self.exceptions(site..site + length, &mut scratch.rate);
-            let own = &self.state[site..site + length];
-            let rates = own.iter().zip(&scratch.rate);
-            out[done..done + length].iter_mut().zip(rates).for_each(|(out, (own, rate))| {
-                *out = combine(*own, *rate);
-            });
-            done += length;
+            scratch.work(&self.scene, &self.state, &run, RATE, out);
+            given += self.exceptions(sites.clone(), out);
+            for (out, own) in out.iter_mut().zip(&self.state[sites]) {
+                *out = combine.share * own + combine.scale * *out;
+            }
         }
         given
+    }
+
+    /// Whether a held particle or one with a source of a wall is among `sites`.
+    fn is_exceptional(&self, sites: &Range<usize>) -> bool {
+        !(within(&self.held, sites).is_empty() && within(self.walls.rank(), sites).is_empty())
     }
 
     /// Adds the sources of walls at `sites` to their rates and takes those of held particles out;
     /// returns what these gave.
     fn exceptions(&self, sites: Range<usize>, rate: &mut [f64]) -> f64 {
-        let within = |ranks: &[u32]| {
-            let place = |site: usize| ranks.partition_point(|&rank| (rank as usize) < site);
-            place(sites.start)..place(sites.end)
-        };
         let mut given = 0.0;
-        for k in within(&self.held) {
+        for k in within(&self.held, &sites) {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
             given -= self.volume * (*rate - self.held_diagonal[k] * self.state[held]);
             *rate = 0.0;
         }
-        for row in within(self.walls.rank()) {
+        for row in within(self.walls.rank(), &sites) {
             rate[self.walls.rank()[row] as usize - sites.start] += self.source[row];
         }
         given
     }
+}
+
+/// Which of `ranks`, which ascend, are among `sites`.
+fn within(ranks: &[u32], sites: &Range<usize>) -> Range<usize> {
+    let place = |site: usize| ranks.partition_point(|&rank| (rank as usize) < site);
+    place(sites.start)..place(sites.end)
 }
 
 impl Backend for LatticeBackend {
@@ -155,7 +166,7 @@ impl Backend for LatticeBackend {
         let mut next = std::mem::take(&mut self.next);
         for step in 0..count {
             self.update_source(time + step as f64 * dt);
-            let entered = self.apply(&mut next, |own, rate| own + dt * rate);
+            let entered = self.apply(&mut next, Combine { share: 1.0, scale: dt });
             self.exchange.add(dt * entered);
             std::mem::swap(&mut self.state, &mut next);
         }
@@ -170,7 +181,7 @@ impl Backend for LatticeBackend {
     fn rate(&mut self, time: f64) -> Result<CpuField, SolverError> {
         self.update_source(time);
         let mut rates = vec![0.0; self.state.len()];
-        self.apply(&mut rates, |_, rate| rate);
+        self.apply(&mut rates, RATE);
         Ok(CpuField::new(self.scene.by_particle(&rates)))
     }
 
