@@ -14,6 +14,10 @@ const LARGEST_CHUNK: u64 = 1 << 14;
 /// What a chunk should take: short enough to stop and to report at once.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
 
+/// How much work may be lost to a value that is not finite: what is between two copies of the state,
+/// which each cost as much as a step or two.
+const SAVE_EVERY: Duration = Duration::from_secs(2);
+
 /// Where a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
@@ -76,17 +80,25 @@ impl Run {
         start: f64,
         segment: &Segment,
     ) -> Result<(), O::Error> {
-        let mut done = 0;
+        let (mut done, mut saved) = (0, 0);
+        let mut since_saved = SAVE_EVERY;
         while done < segment.steps {
             let count = self.chunk.min(segment.steps - done);
             let time = start + done as f64 * segment.dt;
-            backend.save()?;
+            if since_saved >= SAVE_EVERY {
+                backend.save()?;
+                (saved, since_saved) = (done, Duration::ZERO);
+            }
             let clock = Instant::now();
             backend.euler(time, segment.dt, count)?;
             if !backend.is_finite()? {
+                let time = start + saved as f64 * segment.dt;
+                self.step -= done - saved;
+                let count = done + count - saved;
                 return self.diverged(backend, problem, observer, time, segment.dt, count);
             }
             self.adapt(count, clock.elapsed());
+            since_saved += clock.elapsed();
             done += count;
             self.step += count;
             let time = start + done as f64 * segment.dt;
@@ -105,8 +117,8 @@ impl Run {
         self.chunk = (wanted as u64).clamp(1, (self.chunk * 4).min(LARGEST_CHUNK));
     }
 
-    /// Finds the first step of the chunk whose result is not finite, by bisection from the state
-    /// saved at its start, and leaves the backend at the step before.
+    /// Finds the first of the `count` steps since the state was saved at `start` (s) whose result is
+    /// not finite, by bisection from there, and leaves the backend at the step before.
     fn diverged<B: Backend, O: Observer>(
         &self,
         backend: &mut B,
