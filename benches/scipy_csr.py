@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The list path against scipy's CSR product of the same matrix, in one run.
+"""Both paths of the CPU against scipy's CSR product of the same matrix, in one run.
 
 Builds the plain operator of the case `gaussian` (a 100^3 lattice, 26 neighbours in the interior) as
 a scipy CSR matrix in f64 and f32, and times A @ c in turn with explicit Euler steps of
-`diffusph run gaussian` on the CPU, one thread and all cores. Medians of several rounds; ratios
-within one run are what counts on a shared machine.
+`diffusph run gaussian` on the CPU, by list and by lattice, one thread and all cores, and with copies
+of an array in one thread. Medians of several rounds; ratios within one run are what counts on a
+shared machine.
 
     cargo build --release
     pip install numpy scipy
@@ -65,13 +66,25 @@ def scipy_rate(matrix):
     return PRODUCTS * SIDE**3 / (time.perf_counter() - start)
 
 
-def diffusph_rate(binary, threads):
+def copy_rate():
+    """Values (f64, read and written) a second of a copy, one thread."""
+    source = np.ones(8 * SIDE**3)
+    target = np.empty_like(source)
+    np.copyto(target, source)
+    start = time.perf_counter()
+    for _ in range(PRODUCTS):
+        np.copyto(target, source)
+    return PRODUCTS * source.size / (time.perf_counter() - start)
+
+
+def diffusph_rate(binary, path, threads):
     """Updates a second of whole Euler steps, checks for divergence included."""
     environment = dict(os.environ)
     if threads:
         environment["RAYON_NUM_THREADS"] = str(threads)
     command = [binary, "run", "gaussian", "--backend", "cpu", "--no-output", "--json"]
-    command += ["--set", "output={}", "--set", "time.end=29200*40"]
+    steps = 40 if path == "list" else 400
+    command += ["--path", path, "--set", "output={}", "--set", f"time.end=29200*{steps}"]
     output = subprocess.run(command, env=environment, capture_output=True, check=True)
     return json.loads(output.stdout)["updates_per_s"]
 
@@ -83,28 +96,37 @@ def main():
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     f64, f32 = csr_matrix(np.float64), csr_matrix(np.float32)
-    rates = {"scipy f64": [], "scipy f32": [], "diffusph 1 thread": [], "diffusph all cores": []}
+    measures = {
+        "copy": copy_rate,
+        "scipy f64": lambda: scipy_rate(f64),
+        "list 1 thread": lambda: diffusph_rate(options.binary, "list", 1),
+        "lattice 1 thread": lambda: diffusph_rate(options.binary, "lattice", 1),
+        "scipy f32": lambda: scipy_rate(f32),
+        "list all cores": lambda: diffusph_rate(options.binary, "list", None),
+        "lattice all cores": lambda: diffusph_rate(options.binary, "lattice", None),
+    }
+    rates = {name: [] for name in measures}
     for _ in range(options.rounds):
-        rates["scipy f64"].append(scipy_rate(f64))
-        rates["diffusph 1 thread"].append(diffusph_rate(options.binary, 1))
-        rates["scipy f32"].append(scipy_rate(f32))
-        rates["diffusph all cores"].append(diffusph_rate(options.binary, None))
+        for name, measure in measures.items():
+            rates[name].append(measure())
     median = {name: statistics.median(values) for name, values in rates.items()}
     result = {
         "entries_per_row": f64.nnz / SIDE**3,
         "rows_per_s": median,
         "all": rates,
-        "ratio_1_thread_to_scipy_f64": median["diffusph 1 thread"] / median["scipy f64"],
-        "ratio_all_cores_to_scipy_f64": median["diffusph all cores"] / median["scipy f64"],
+        "over_scipy_f64": {name: rate / median["scipy f64"] for name, rate in median.items()},
+        "over_scipy_f32": {name: rate / median["scipy f32"] for name, rate in median.items()},
     }
     if options.json:
         print(json.dumps(result, indent=2))
         return
     for name, value in median.items():
         spread = f"{min(rates[name]) / 1e6:.1f} .. {max(rates[name]) / 1e6:.1f}"
-        print(f"{name:20} {value / 1e6:6.1f} M rows/s  ({spread})")
-    print(f"one thread over scipy f64: {result['ratio_1_thread_to_scipy_f64']:.2f}")
-    print(f"all cores over scipy f64:  {result['ratio_all_cores_to_scipy_f64']:.2f}")
+        over = value / median["scipy f64"], value / median["scipy f32"]
+        print(
+            f"{name:18} {value / 1e6:7.1f} M rows/s  ({spread})"
+            f"  {over[0]:6.2f} times scipy f64, {over[1]:6.2f} times f32"
+        )
 
 
 if __name__ == "__main__":

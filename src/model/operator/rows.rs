@@ -410,14 +410,20 @@ impl Rows {
         assert!(state.len() == self.count && out.len() == self.count, "one value a row");
         assert!(source.is_empty() || source.len() == self.walls.len(), "one source a wall row");
         let advance = |(first, block, out): (usize, &RowBlock, &mut [f64])| {
+            let rate = |row: usize| block.rate(row, state[first + row], state);
             let mut walls = self.walls.cursor(first, source);
-            for (row, out) in out.iter_mut().enumerate() {
-                let own = state[first + row];
-                let mut rate = block.rate(row, own, state);
-                if walls.next_rank() == first + row {
-                    rate += walls.take(own);
+            let mut done = 0;
+            // Rows with walls are few: the others run without a look at them.
+            while done < out.len() {
+                let next = walls.next_rank().saturating_sub(first).min(out.len());
+                for (row, out) in (done..next).zip(&mut out[done..next]) {
+                    *out = combine(state[first + row], rate(row));
                 }
-                *out = combine(own, rate);
+                if next < out.len() {
+                    let own = state[first + next];
+                    out[next] = combine(own, rate(next) + walls.take(own));
+                }
+                done = next + 1;
             }
         };
         let mut tasks = Vec::with_capacity(self.blocks.len());
