@@ -11,6 +11,10 @@ use crate::model::{Face, Problem, WallKind};
 /// A particle this close to its site (in spacings) is on it.
 const ON_SITE: f64 = 1e-9;
 
+/// The widest reach of a stencil, in sites. A wider one has so many entries that it is no faster than
+/// a list.
+const WIDEST: usize = 4;
+
 /// A full lattice of one material: counts, order, edges and stencil.
 #[derive(Clone, Debug)]
 pub struct LatticeScene {
@@ -46,6 +50,9 @@ impl LatticeScene {
         let order = order(problem, counts)?;
         let weight = PairWeight::new(problem);
         let (reach, classes) = stencil(problem, &weight);
+        if reach > WIDEST {
+            return Err("the support reaches past four spacings");
+        }
         let edges = edges(problem, &weight, reach)?;
         Ok(Self { counts, order, edges, reach, classes })
     }
@@ -114,17 +121,20 @@ fn counts(problem: &Problem) -> Result<[usize; 3], &'static str> {
     Ok(counts)
 }
 
-/// One volume and one diffusivity.
+/// One volume, one diffusivity and one density.
 fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
     let particles = &problem.particles;
     let volume = problem.spacing.powi(problem.dimension as i32);
     if !particles.volume.par_iter().all(|v| (v / volume - 1.0).abs() < 1e-12) {
         return Err("particles differ in volume");
     }
-    let diffusivity = |&m: &u16| problem.materials[usize::from(m)].diffusivity;
-    let first = particles.material.first().map(diffusivity);
-    if !particles.material.par_iter().all(|m| Some(diffusivity(m)) == first) {
-        return Err("particles differ in diffusivity");
+    let properties = |&m: &u16| {
+        let material = &problem.materials[usize::from(m)];
+        (material.diffusivity, material.density)
+    };
+    let first = particles.material.first().map(properties);
+    if !particles.material.par_iter().all(|m| Some(properties(m)) == first) {
+        return Err("particles differ in diffusivity or density");
     }
     if !problem.surfaces.is_empty() {
         return Err("a surface that is no face of the domain acts on it");

@@ -5,6 +5,9 @@
 //! class. Lines follow each other in memory, so several of them are worked on as one, in loops that
 //! the processor runs on several values at once; only what is near the ends of a line is then done
 //! again, with what lies past them. Differences, not a diagonal: a constant field has rate 0.
+//!
+//! Where the processor has them, wider vectors and fused multiplications are used, so that the last
+//! bits of a result depend on the processor; they do not depend on the number of threads.
 
 use std::ops::Range;
 
