@@ -132,14 +132,18 @@ impl Run {
         while bad - good > 1 {
             let middle = good + (bad - good) / 2;
             backend.restore()?;
-            backend.euler(start, dt, middle)?;
-            if backend.is_finite()? { good = middle } else { bad = middle }
+            backend.euler(start + good as f64 * dt, dt, middle - good)?;
+            if backend.is_finite()? {
+                backend.save()?;
+                good = middle;
+            } else {
+                bad = middle;
+            }
         }
         backend.restore()?;
-        backend.euler(start, dt, bad)?;
+        backend.euler(start + good as f64 * dt, dt, bad - good)?;
         let state = backend.read()?;
         backend.restore()?;
-        backend.euler(start, dt, good)?;
         observer.last_state(start + good as f64 * dt, backend.read()?.as_ref())?;
         let not_finite = state.as_ref().iter().position(|x| !x.is_finite());
         Err(match not_finite {

@@ -17,6 +17,8 @@ pub struct Plan {
     pub path: Path,
     /// Why it is not the lattice path, where that was looked for.
     pub why_no_lattice: Option<&'static str>,
+    /// Whether the particles of a lattice are in another order than its sites.
+    pub reorders: bool,
     /// What of the shaders and buffers the scene needs.
     pub needs: Needs,
     /// What it does not need.
@@ -134,12 +136,12 @@ impl Plan {
     /// all particles.
     pub fn new(problem: &Problem, machine: MachineKind, choice: &PathChoice, entries: u64) -> Self {
         let needs = Needs::of(problem);
-        let (path, why_no_lattice) = match choice {
-            PathChoice::List(why) => (Path::List, *why),
-            PathChoice::Lattice(_) => (Path::Lattice, None),
+        let (path, why_no_lattice, reorders) = match choice {
+            PathChoice::List(why) => (Path::List, *why, false),
+            PathChoice::Lattice(scene) => (Path::Lattice, None, scene.order.is_some()),
         };
         let left_out = left_out(problem, machine, needs, path, entries);
-        Self { machine, path, why_no_lattice, needs, left_out }
+        Self { machine, path, why_no_lattice, reorders, needs, left_out }
     }
 
     /// The passes of a run, in order.
@@ -153,6 +155,9 @@ impl Plan {
         let least =
             if self.path == Path::Lattice { WallNeeds::Steady } else { WallNeeds::Insulated };
         if self.needs.walls >= least {
+            if self.path == Path::Lattice {
+                passes.push("sort");
+            }
             passes.push(gpu::passes::WALL_SETUP);
         }
         if problem.time.end > 0.0 {
@@ -185,7 +190,7 @@ impl Plan {
         match self.path {
             // Two states and the saved one; order and start, or length, of each row.
             Path::List => entries * (4 + real) + particles * (3 * real + 8),
-            Path::Lattice => particles * 3 * real,
+            Path::Lattice => particles * (3 * real + if self.reorders { 4 } else { 0 }),
         }
     }
 }
@@ -205,7 +210,10 @@ fn left_out(
     if path == Path::Lattice {
         let why = "the particles fill a lattice: the sum over neighbours is one stencil";
         leave("neighbour list and weights", why, entries * (4 + real) + particles * 8);
-        leave("sorting into cells", why, particles * 4);
+        // Walls that act are folded by a walk over cells.
+        if needs.walls < WallNeeds::Steady {
+            leave("sorting into cells", why, particles * 4);
+        }
     } else {
         leave_of_list(problem, machine, needs, &mut leave);
     }

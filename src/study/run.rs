@@ -179,8 +179,9 @@ pub fn prepare(
     match &choice {
         PathChoice::List(_) => prepare_list(problem, machine, &choice, allow_unstable, keep),
         PathChoice::Lattice(scene) => {
-            let survey = scene.survey(problem);
-            let walls = lattice_walls(problem, scene)?;
+            let (walls, is_skew) = lattice_walls(problem, scene)?;
+            let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
+            // A measurement of the limit, for a given step above the safe bound, takes the rows.
             let step = choose_step(problem, &survey, allow_unstable, || {
                 let grid = cell_grid(problem);
                 measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
@@ -193,13 +194,17 @@ pub fn prepare(
     }
 }
 
-/// What walls add to a lattice beyond its stencil, by site.
+/// What walls add to a lattice beyond its stencil, by site, and whether they leave the matrix
+/// unsymmetric.
 ///
 /// # Errors
 /// Walls that make no sense.
-pub fn lattice_walls(problem: &Problem, scene: &LatticeScene) -> Result<WallRows, SolverError> {
+pub fn lattice_walls(
+    problem: &Problem,
+    scene: &LatticeScene,
+) -> Result<(WallRows, bool), SolverError> {
     if WallNeeds::of(problem) < WallNeeds::Steady {
-        return Ok(WallRows::default());
+        return Ok((WallRows::default(), false));
     }
     let grid = cell_grid(problem);
     let fold = wall_fold(problem, &grid);
@@ -207,10 +212,11 @@ pub fn lattice_walls(problem: &Problem, scene: &LatticeScene) -> Result<WallRows
         return Err(SolverError::of_fault(problem, fault));
     }
     let sites = scene.sites();
-    Ok(fold.rows.renumbered(|rank| {
+    let rows = fold.rows.renumbered(|rank| {
         let particle = grid.order()[rank as usize];
         sites.as_ref().map_or(particle, |sites| sites[particle as usize])
-    }))
+    });
+    Ok((rows, fold.is_skew))
 }
 
 fn prepare_list(

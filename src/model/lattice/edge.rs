@@ -35,6 +35,7 @@ impl Edge {
     /// at most `count` past either end.
     pub fn at(&self, place: isize, count: usize) -> Option<Site> {
         let whole = count as isize;
+        debug_assert!((-whole..2 * whole).contains(&place), "at most `count` past either end");
         let particle = |index: isize| Site { index: index as usize, factor: 1.0, is_ghost: false };
         let ghost = |end: &End, layer: isize, index: isize| match end {
             End::Free => None,

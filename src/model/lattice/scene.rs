@@ -4,12 +4,20 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Edge, End, for_each_neighbor};
-use crate::model::operator::PairWeight;
+use crate::model::operator::{PairWeight, WallNeeds};
 use crate::model::wall::WalledFace;
 use crate::model::{Face, Problem, WallKind};
 
-/// A particle this close to its site (in spacings) is on it.
-const ON_SITE: f64 = 1e-9;
+/// A particle this close to its site (in spacings) is on it: far from the origin, positions are
+/// rounded more.
+const ON_SITE: f64 = 1e-6;
+
+/// The same where walls act: what they add is computed from the positions themselves, and has to
+/// cancel with the stencil's.
+const ON_SITE_BY_WALLS: f64 = 1e-9;
+
+/// Relative error of a count of spacings.
+const WHOLE: f64 = 1e-9;
 
 /// The widest reach of a stencil, in sites. A wider one has so many entries that it is no faster than
 /// a list.
@@ -109,7 +117,7 @@ fn counts(problem: &Problem) -> Result<[usize; 3], &'static str> {
     let mut counts = [1; 3];
     for axis in 0..problem.dimension {
         let count = extent[axis] / problem.spacing;
-        if (count - count.round()).abs() > ON_SITE * count || count < 0.5 {
+        if (count - count.round()).abs() > WHOLE * count || count < 0.5 {
             return Err("the domain is no whole number of spacings");
         }
         counts[axis] = count.round() as usize;
@@ -144,6 +152,10 @@ fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
 
 /// The particle at each site.
 fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'static str> {
+    let allowed = match WallNeeds::of(problem) {
+        WallNeeds::None | WallNeeds::Insulated => ON_SITE,
+        WallNeeds::Steady | WallNeeds::Changing => ON_SITE_BY_WALLS,
+    };
     let site = |x: &DVec3| -> Option<usize> {
         let mut index = 0;
         for axis in (0..3).rev() {
@@ -152,10 +164,7 @@ fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'st
                 false => 0.0,
             };
             let near = place.round();
-            if (place - near).abs() > ON_SITE * counts[axis].max(1000) as f64
-                || near < 0.0
-                || near >= counts[axis] as f64
-            {
+            if (place - near).abs() > allowed || near < 0.0 || near >= counts[axis] as f64 {
                 return None;
             }
             index = index * counts[axis] + near as usize;

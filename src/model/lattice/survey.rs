@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Edge, End, LatticeScene, Site};
+use super::{LatticeScene, Site};
 use crate::model::Problem;
 use crate::model::operator::rows::Survey;
 
@@ -16,7 +16,8 @@ struct Place {
 
 impl LatticeScene {
     /// The survey of `problem`, whose lattice this is: that of [`crate::model::operator::rows`],
-    /// from one particle of each kind of place.
+    /// from one particle of each kind of place. Whether walls leave the matrix symmetric is for
+    /// [`crate::model::operator::rows::wall_fold`] to say.
     pub fn survey(&self, problem: &Problem) -> Survey {
         let places = [0, 1, 2].map(|axis| self.places(axis));
         let mut held = vec![0; places.iter().map(Vec::len).product()];
@@ -29,7 +30,7 @@ impl LatticeScene {
             let of = |axis: usize| self.kind_of_place(axis, at[axis]);
             held[kind([of(0), of(1), of(2)])] += 1;
         }
-        let mut survey = Survey { symmetric: self.is_symmetric(), ..Survey::EMPTY };
+        let mut survey = Survey::EMPTY;
         for (z, place_z) in places[2].iter().enumerate() {
             for (y, place_y) in places[1].iter().enumerate() {
                 for (x, place_x) in places[0].iter().enumerate() {
@@ -64,18 +65,6 @@ impl LatticeScene {
         } else {
             at + 2 * reach + 1 - count
         }
-    }
-
-    /// Whether ghosts hold the same factor whatever their layer.
-    fn is_symmetric(&self) -> bool {
-        let constant = |end: &End| match end {
-            End::Free => true,
-            End::Mirror(factors) => factors.iter().all(|factor| *factor == factors[0]),
-        };
-        let edges = self.edges.iter();
-        edges
-            .filter_map(|edge| if let Edge::Open(ends) = edge { Some(ends) } else { None })
-            .all(|ends| ends.iter().all(constant))
     }
 
     /// Calls `visit(steps, weight, sites)` for every place of the stencil around `at` that is not

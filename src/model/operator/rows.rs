@@ -106,6 +106,8 @@ pub struct WallFold {
     pub weight: Vec<(u32, u32, f64)>,
     /// The rows with more than weights.
     pub rows: WallRows,
+    /// Whether they leave the matrix unsymmetric.
+    pub is_skew: bool,
     /// What is wrong with a wall or surface, if anything is.
     pub fault: Option<Fault>,
 }
@@ -119,14 +121,15 @@ pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
     }
     let parts: Vec<Part> =
         tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Walls)).collect();
-    let (mut weight, mut fault) = (Vec::new(), None);
+    let (mut weight, mut fault, mut is_skew) = (Vec::new(), None, false);
     let mut walls = WallRowsBuilder::default();
     for part in parts {
         fault = fault.or(part.survey.fault);
+        is_skew |= !part.survey.symmetric;
         weight.extend(part.folded);
         walls.append(part.walls);
     }
-    WallFold { weight, rows: walls.finish(problem), fault }
+    WallFold { weight, rows: walls.finish(problem), is_skew, fault }
 }
 
 /// What a walk stores.

@@ -20,7 +20,7 @@ const BLOCK: usize = 1024;
 const CLASSES: usize = 3;
 
 /// The widest reach whose loops are unrolled; wider ones are added step by step.
-const WIDEST: usize = 3;
+const UNROLLED: usize = 3;
 
 /// A part of the lattice that is worked on as one: lines with the same lines around them, or a part
 /// of a line.
@@ -105,7 +105,7 @@ struct Term<'a> {
     /// n_c
     count: f64,
     /// w_ci for i from 0 on, filled up with 0.
-    weights: [f64; WIDEST + 1],
+    weights: [f64; UNROLLED + 1],
 }
 
 /// What a run reads.
@@ -225,7 +225,7 @@ impl Around<'_> {
     ) {
         let own = &self.state[self.run.first..][..self.run.length];
         let term = |c: usize| {
-            let mut weights = [0.0; WIDEST + 1];
+            let mut weights = [0.0; UNROLLED + 1];
             let of_class = &self.scene.classes[c].weights;
             weights[..of_class.len()].copy_from_slice(of_class);
             Term { sum: self.sums[c], count: self.members[c].lines.len() as f64, weights }
