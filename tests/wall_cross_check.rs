@@ -205,7 +205,7 @@ fn a_run_with_changing_walls_can_be_taken_back_and_split() {
 fn chunks_of_the_list_make_no_difference() {
     let problem = walled(KernelKind::WendlandC2, 3, WallKind::Convection, true);
     let whole = GpuOptions::new(Precision::F32);
-    let split = GpuOptions { list_chunk_bytes: Some(32 * 60 * 4), ..whole };
+    let split = GpuOptions { chunk_bytes: Some(32 * 60 * 4), ..whole };
     let after = |options| {
         let mut backend =
             GpuBackend::with_options(&problem, STEP, device(), options).expect("backend");

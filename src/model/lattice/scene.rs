@@ -26,6 +26,8 @@ const WIDEST: usize = 4;
 /// A full lattice of one material: counts, order, edges and stencil.
 #[derive(Clone, Debug)]
 pub struct LatticeScene {
+    /// 1, 2 or 3.
+    pub dimension: usize,
     /// Particles along each axis; 1 along axes past the dimension.
     pub counts: [usize; 3],
     /// The particle at each site, x fastest; `None` where that is the order of the particles.
@@ -62,7 +64,7 @@ impl LatticeScene {
             return Err("the support reaches past four spacings");
         }
         let edges = edges(problem, &weight, reach)?;
-        Ok(Self { counts, order, edges, reach, classes })
+        Ok(Self { dimension: problem.dimension, counts, order, edges, reach, classes })
     }
 
     /// How many particles there are.
@@ -88,6 +90,16 @@ impl LatticeScene {
             sites[particle as usize] = site;
         }
         Some(sites)
+    }
+
+    /// The sites of particles `held`, which ascend, ascending.
+    pub fn held_sites(&self, held: &[u32]) -> Vec<u32> {
+        let Some(sites) = self.sites() else {
+            return held.to_vec();
+        };
+        let mut of_held: Vec<u32> = held.iter().map(|&particle| sites[particle as usize]).collect();
+        of_held.sort_unstable();
+        of_held
     }
 
     /// A field from the problem's order to that of the sites.

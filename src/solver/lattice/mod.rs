@@ -47,11 +47,7 @@ pub struct LatticeBackend {
 impl LatticeBackend {
     /// The lattice `scene` of `problem`, whose walls add `walls` at its sites.
     pub fn new(problem: &Problem, scene: LatticeScene, walls: WallRows) -> Self {
-        let mut held = problem.held.clone();
-        if let Some(sites) = scene.sites() {
-            held.iter_mut().for_each(|particle| *particle = sites[*particle as usize]);
-            held.sort_unstable();
-        }
+        let held = scene.held_sites(&problem.held);
         let mut source = Vec::new();
         walls.source_at(0.0, &mut source);
         let state = scene.by_site(&problem.initial);
