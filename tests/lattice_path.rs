@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::lattice::LatticeScene;
-use diffusph::model::operator::rows::{assemble, cell_grid, survey};
+use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Material, Problem};
 use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
@@ -71,12 +71,6 @@ fn boundaries(dimension: usize) -> Vec<Value> {
     list
 }
 
-fn list(problem: &Problem) -> CpuBackend {
-    let grid = cell_grid(problem);
-    let (_, rows) = assemble(problem, &grid);
-    CpuBackend::new(problem, grid.into_order(), rows)
-}
-
 /// The lattice backend, the way a run makes it.
 fn lattice(problem: &Problem) -> impl Backend {
     use diffusph::solver::lattice::LatticeBackend;
@@ -95,7 +89,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// How far the two paths are apart after some steps: fields, and exchange over the total.
 fn apart(on_list: &Problem, on_lattice: &Problem) -> (f64, f64) {
     let dt = 0.9 / survey(on_list, &cell_grid(on_list)).rate_bound;
-    let (mut one, mut other) = (list(on_list), lattice(on_lattice));
+    let (mut one, mut other) = (CpuBackend::of(on_list), lattice(on_lattice));
     one.euler(0.0, dt, 40).expect("steps");
     other.euler(0.0, dt, 40).expect("steps");
     let (a, b) = (one.read().expect("read"), other.read().expect("read"));

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Backend, SolverError};
 use crate::model::Problem;
-use crate::model::operator::rows::Rows;
+use crate::model::operator::rows::{Rows, assemble, cell_grid};
 use crate::model::sum::CompensatedSum;
 
 /// Values that one parallel task looks at.
@@ -44,6 +44,13 @@ pub struct CpuBackend {
 }
 
 impl CpuBackend {
+    /// Assembles the rows of `problem` and takes them.
+    pub fn of(problem: &Problem) -> Self {
+        let grid = cell_grid(problem);
+        let (_, rows) = assemble(problem, &grid);
+        Self::new(problem, grid.into_order(), rows)
+    }
+
     /// Takes the assembled rows of `problem`; `order` is the grid's.
     pub fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
         let particle_at = |rank: &u32| order[*rank as usize] as usize;

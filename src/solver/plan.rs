@@ -1,5 +1,7 @@
 //! What runs for a scene, and what is left out because the scene does not need it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{MachineKind, SolverError, gpu};
@@ -52,7 +54,7 @@ pub enum PathChoice {
     /// The list, and why not the lattice, where that was looked for.
     List(Option<&'static str>),
     /// The lattice.
-    Lattice(Box<LatticeScene>),
+    Lattice(Arc<LatticeScene>),
 }
 
 impl PathChoice {
@@ -71,7 +73,7 @@ impl PathChoice {
             (_, MachineKind::Cpu) => LatticeScene::of(problem),
         };
         match (scene, wish) {
-            (Ok(scene), _) => Ok(Self::Lattice(Box::new(scene))),
+            (Ok(scene), _) => Ok(Self::Lattice(Arc::new(scene))),
             (Err(why), PathWish::Lattice) => Err(SolverError::NoLattice { why }),
             (Err(why), _) => Ok(Self::List(Some(why))),
         }

@@ -1,6 +1,7 @@
 //! One run of a scene: set-up, solution, output and report.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -126,7 +127,7 @@ pub fn run(
             solve(scene, options, &prepared, backend, progress)
         }
         (Machine::Cpu, Some(Operator::Lattice { scene: lattice, walls })) => {
-            let backend = LatticeBackend::new(problem, *lattice, walls);
+            let backend = LatticeBackend::new(problem, lattice, walls);
             solve(scene, options, &prepared, backend, progress)
         }
         (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
@@ -157,7 +158,7 @@ pub enum Operator {
     /// A stencil.
     Lattice {
         /// The lattice.
-        scene: Box<LatticeScene>,
+        scene: Arc<LatticeScene>,
         /// What walls add to it, by site.
         walls: WallRows,
     },
@@ -176,22 +177,19 @@ pub fn prepare(
     allow_unstable: bool,
     keep: bool,
 ) -> Result<(Prepared, Option<Operator>), SolverError> {
-    match &choice {
-        PathChoice::List(_) => prepare_list(problem, machine, &choice, allow_unstable, keep),
-        PathChoice::Lattice(scene) => {
-            let (walls, is_skew) = lattice_walls(problem, scene)?;
-            let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
-            // A measurement of the limit, for a given step above the safe bound, takes the rows.
-            let step = choose_step(problem, &survey, allow_unstable, || {
-                let grid = cell_grid(problem);
-                measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
-            })?;
-            let plan = Plan::new(problem, machine, &choice, survey.entries);
-            let PathChoice::Lattice(scene) = choice else { unreachable!("it has been one above") };
-            let operator = keep.then_some(Operator::Lattice { scene, walls });
-            Ok((Prepared { survey, step, plan }, operator))
-        }
-    }
+    let PathChoice::Lattice(scene) = &choice else {
+        return prepare_list(problem, machine, &choice, allow_unstable, keep);
+    };
+    let (walls, is_skew) = lattice_walls(problem, scene)?;
+    let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
+    // A measurement of the limit, for a given step above the safe bound, takes the rows.
+    let step = choose_step(problem, &survey, allow_unstable, || {
+        let grid = cell_grid(problem);
+        measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
+    })?;
+    let plan = Plan::new(problem, machine, &choice, survey.entries);
+    let operator = keep.then(|| Operator::Lattice { scene: Arc::clone(scene), walls });
+    Ok((Prepared { survey, step, plan }, operator))
 }
 
 /// What walls add to a lattice beyond its stencil, by site, and whether they leave the matrix
@@ -212,10 +210,7 @@ pub fn lattice_walls(
         return Err(SolverError::of_fault(problem, fault));
     }
     let sites = scene.sites();
-    let rows = fold.rows.renumbered(|rank| {
-        let particle = grid.order()[rank as usize];
-        sites.as_ref().map_or(particle, |sites| sites[particle as usize])
-    });
+    let rows = fold.rows.renumbered(|rank| sites(grid.order()[rank as usize]));
     Ok((rows, fold.is_skew))
 }
 

@@ -55,6 +55,9 @@ impl LatticeScene {
     pub fn of(problem: &Problem) -> Result<Self, &'static str> {
         let counts = counts(problem)?;
         check_uniform(problem)?;
+        if !problem.surfaces.is_empty() {
+            return Err("a surface that is no face of the domain acts on it");
+        }
         let order = order(problem, counts)?;
         let weight = PairWeight::new(problem);
         let (reach, classes) = stencil(problem, &weight);
@@ -65,29 +68,16 @@ impl LatticeScene {
         Ok(Self { counts, order, edges, reach, classes })
     }
 
-    /// How many particles there are.
-    pub fn len(&self) -> usize {
-        self.counts.iter().product()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The particle at a site.
-    pub fn particle(&self, site: usize) -> usize {
-        self.order.as_ref().map_or(site, |order| order[site] as usize)
-    }
-
-    /// The site of each particle; `None` where the two are the same.
-    pub fn sites(&self) -> Option<Vec<u32>> {
-        let order = self.order.as_ref()?;
-        let mut sites = vec![0; order.len()];
-        for (site, &particle) in (0..).zip(order) {
-            sites[particle as usize] = site;
-        }
-        Some(sites)
+    /// The site of each particle, as a function.
+    pub fn sites(&self) -> impl Fn(u32) -> u32 + use<> {
+        let sites = self.order.as_ref().map(|order| {
+            let mut sites = vec![0; order.len()];
+            for (site, &particle) in (0..).zip(order) {
+                sites[particle as usize] = site;
+            }
+            sites
+        });
+        move |particle| sites.as_ref().map_or(particle, |sites| sites[particle as usize])
     }
 
     /// A field from the problem's order to that of the sites.
@@ -143,9 +133,6 @@ fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
     let first = particles.material.first().map(properties);
     if !particles.material.par_iter().all(|m| Some(properties(m)) == first) {
         return Err("particles differ in diffusivity or density");
-    }
-    if !problem.surfaces.is_empty() {
-        return Err("a surface that is no face of the domain acts on it");
     }
     Ok(())
 }

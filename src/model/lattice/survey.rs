@@ -24,7 +24,7 @@ impl LatticeScene {
         let kind = |[x, y, z]: [usize; 3]| (z * places[1].len() + y) * places[0].len() + x;
         let sites = self.sites();
         for &particle in &problem.held {
-            let site = sites.as_ref().map_or(particle, |sites| sites[particle as usize]) as usize;
+            let site = sites(particle) as usize;
             let [nx, ny, _] = self.counts;
             let at = [site % nx, site / nx % ny, site / (nx * ny)];
             let of = |axis: usize| self.kind_of_place(axis, at[axis]);

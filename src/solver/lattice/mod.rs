@@ -4,6 +4,7 @@
 mod kernel;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -26,7 +27,7 @@ const RATE: Combine = Combine { share: 0.0, scale: 1.0 };
 
 /// A lattice in memory. States are in the order of the sites.
 pub struct LatticeBackend {
-    scene: LatticeScene,
+    scene: Arc<LatticeScene>,
     /// Volume of a particle.
     volume: f64,
     /// Sites of the held particles, ascending.
@@ -46,12 +47,11 @@ pub struct LatticeBackend {
 
 impl LatticeBackend {
     /// The lattice `scene` of `problem`, whose walls add `walls` at its sites.
-    pub fn new(problem: &Problem, scene: LatticeScene, walls: WallRows) -> Self {
-        let mut held = problem.held.clone();
-        if let Some(sites) = scene.sites() {
-            held.iter_mut().for_each(|particle| *particle = sites[*particle as usize]);
-            held.sort_unstable();
-        }
+    pub fn new(problem: &Problem, scene: impl Into<Arc<LatticeScene>>, walls: WallRows) -> Self {
+        let scene = scene.into();
+        let sites = scene.sites();
+        let mut held: Vec<u32> = problem.held.iter().map(|&particle| sites(particle)).collect();
+        held.sort_unstable();
         let mut source = Vec::new();
         walls.source_at(0.0, &mut source);
         let state = scene.by_site(&problem.initial);
