@@ -81,7 +81,6 @@ impl CpuBackend {
         self.update_source(time);
         if !self.held_volume.is_empty() {
             // What holding the values takes: the negative of what the held rows would gain.
-            // Neighbours that are held too cancel in the sum.
             let gains = self.rows.held_rates(&self.state).zip(&self.held_volume);
             let gained: f64 = gains.map(|(rate, volume)| volume * rate).sum();
             self.exchange.add(-dt * gained);

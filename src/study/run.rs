@@ -10,9 +10,9 @@ use super::recorder::Recorder;
 use crate::case::Scene;
 use crate::model::Problem;
 use crate::model::integrator::Schedule;
-use crate::model::lattice::LatticeScene;
+use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
-use crate::model::operator::{WallNeeds, WallRows};
+use crate::model::operator::{SomeRows, WallNeeds, WallRows};
 use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
@@ -130,6 +130,10 @@ pub fn run(
             let backend = LatticeBackend::new(problem, lattice, walls);
             solve(scene, options, &prepared, backend, progress)
         }
+        (Machine::Cpu, Some(Operator::Mixed { scene: mixed, rows })) => {
+            let backend = LatticeBackend::mixed(problem, mixed, rows);
+            solve(scene, options, &prepared, backend, progress)
+        }
         (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
     }
 }
@@ -162,6 +166,13 @@ pub enum Operator {
         /// What walls add to it, by site.
         walls: WallRows,
     },
+    /// A stencil and rows.
+    Mixed {
+        /// The lattice.
+        scene: Arc<MixedScene>,
+        /// The rows, by site.
+        rows: SomeRows,
+    },
 }
 
 /// Surveys the pairs of `problem`, chooses its step and plans its run on the path of `choice`; with
@@ -177,19 +188,28 @@ pub fn prepare(
     allow_unstable: bool,
     keep: bool,
 ) -> Result<(Prepared, Option<Operator>), SolverError> {
-    let PathChoice::Lattice(scene) = &choice else {
-        return prepare_list(problem, machine, &choice, allow_unstable, keep);
+    let (survey, operator) = match &choice {
+        PathChoice::List(_) => {
+            return prepare_list(problem, machine, &choice, allow_unstable, keep);
+        }
+        PathChoice::Lattice(scene) => {
+            let (walls, is_skew) = lattice_walls(problem, scene)?;
+            let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
+            (survey, Operator::Lattice { scene: Arc::clone(scene), walls })
+        }
+        PathChoice::Mixed(scene, _) => {
+            let (survey, rows) = scene.assemble(problem);
+            SolverError::check_walls(problem, &survey)?;
+            (survey, Operator::Mixed { scene: Arc::clone(scene), rows })
+        }
     };
-    let (walls, is_skew) = lattice_walls(problem, scene)?;
-    let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
     // A measurement of the limit, for a given step above the safe bound, takes the rows.
     let step = choose_step(problem, &survey, allow_unstable, || {
         let grid = cell_grid(problem);
         measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
     })?;
     let plan = Plan::new(problem, machine, &choice, survey.entries);
-    let operator = keep.then(|| Operator::Lattice { scene: Arc::clone(scene), walls });
-    Ok((Prepared { survey, step, plan }, operator))
+    Ok((Prepared { survey, step, plan }, keep.then_some(operator)))
 }
 
 /// What walls add to a lattice beyond its stencil, by site, and whether they leave the matrix
@@ -363,7 +383,7 @@ fn report(
             .iter()
             .map(|left| LeftOut {
                 what: left.what.to_owned(),
-                why: left.why.to_owned(),
+                why: left.why.clone(),
                 bytes_saved: left.bytes_saved,
             })
             .collect(),
