@@ -98,7 +98,7 @@ fn grid_of(problem: &Problem) -> CellLayout {
 
 fn found_neighbors(problem: &Problem, precision: Precision) -> Vec<Vec<u32>> {
     let backend = GpuBackend::new(problem, 1.0, device(), precision).expect("backend");
-    let rows = backend.neighbors().expect("neighbours").expect("a list");
+    let rows = backend.neighbors().expect("neighbours");
     rows.iter().map(|row| row.iter().map(|&(b, _)| b).collect()).collect()
 }
 

@@ -161,7 +161,7 @@ impl GpuBackend {
     /// A device that fails, or that cannot hold it.
     pub fn lattice(
         problem: &Problem,
-        scene: LatticeScene,
+        scene: &LatticeScene,
         walls: WallRows,
         dt: f64,
         device: &Device,
@@ -174,11 +174,11 @@ impl GpuBackend {
         // The stencil has the diagonals of walls.
         let walls = walls.without_diagonal();
         let held = scene.held_sites(&problem.held);
-        let lattice = Lattice::new(device, &scene, &held, &walls, step, options)?;
+        let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
         let exchange = match held.is_empty() {
             true => None,
             false => {
-                let contents = lattice::held_contents(&scene, &held, step);
+                let contents = lattice::held_contents(scene, &held, step);
                 Some(device.storage_with("exchange", &real.to_bytes(&contents))?)
             }
         };
@@ -193,7 +193,7 @@ impl GpuBackend {
             steps: Steps::new(device, &operator, &initial, exchange, slots)?,
             device: device.clone(),
             operator,
-            order: scene.order,
+            order: scene.order.clone(),
             held: (0..held.len()).map(|k| (2 * k + 1, volume)).collect(),
             reference_step: step,
             saved: None,
@@ -217,10 +217,10 @@ impl GpuBackend {
     }
 
     /// The neighbours of each particle in stored order, with the weight a reference step, which is
-    /// the step given to [`GpuBackend::new`]: a diagnostic. `None` for a lattice, which stores none.
-    pub fn neighbors(&self) -> Result<Option<Vec<Vec<(u32, f64)>>>, SolverError> {
+    /// the step given to [`GpuBackend::new`]: a diagnostic. A lattice stores none.
+    pub fn neighbors(&self) -> Result<Vec<Vec<(u32, f64)>>, SolverError> {
         let (Operator::List { list, choices }, Some(order)) = (&self.operator, &self.order) else {
-            return Ok(None);
+            return Ok(Vec::new());
         };
         let rows = list.read(&self.device, choices)?;
         let mut neighbors = vec![Vec::new(); rows.len()];
@@ -228,7 +228,7 @@ impl GpuBackend {
             let of_particle = row.into_iter().map(|(b, w)| (order[b as usize], w));
             neighbors[particle as usize] = of_particle.collect();
         }
-        Ok(Some(neighbors))
+        Ok(neighbors)
     }
 
     /// Reads the parts of a field and puts its values into the problem's order, times `factor`.

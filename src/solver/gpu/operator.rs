@@ -68,7 +68,7 @@ impl Operator {
     /// The values of each buffer that a state is split into, of `count` in all.
     pub(super) fn parts(&self, count: usize) -> Vec<Range<usize>> {
         match self {
-            Self::List { .. } => vec![0..count],
+            Self::List { .. } => std::iter::once(0..count).collect(),
             Self::Lattice(lattice) => lattice.parts(),
         }
     }

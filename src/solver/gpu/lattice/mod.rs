@@ -10,7 +10,8 @@ use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
 use crate::model::lattice::{Edge, End, LatticeScene};
-use crate::model::operator::WallRows;
+use crate::model::operator::{WallNeeds, WallRows};
+use crate::solver::plan::Needs;
 
 use source::Sites;
 pub use source::{PART, StencilSource};
@@ -185,6 +186,16 @@ impl Part {
     }
 }
 
+/// The passes of a step, in order.
+pub fn step_passes(needs: Needs) -> Vec<&'static str> {
+    let mut passes = vec!["lattice_step"];
+    if needs.held || needs.walls >= WallNeeds::Steady {
+        passes.push("exception_step");
+    }
+    passes.push("finite");
+    passes
+}
+
 /// What the exchange of held particles is counted in: for each, what ghosts add to its diagonal a
 /// reference step, and what it has given.
 pub(super) fn held_contents(scene: &LatticeScene, held: &[u32], reference_step: f64) -> Vec<f64> {
@@ -201,14 +212,10 @@ fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
     let last = scene.dimension - 1;
     let layers = scene.counts[last];
     let layer: usize = scene.counts[..last].iter().product();
-    let total = layers * layer;
-    if total as u64 <= most {
-        return Ok(vec![0..total]);
-    }
     let least = scene.reach.max(1);
     let thickest = usize::try_from(most / layer as u64).unwrap_or(usize::MAX);
     let count = layers.div_ceil(thickest.max(1));
-    if thickest < least || layers / count < least {
+    if count > 1 && (thickest < least || layers / count < least) {
         return Err((least * layer) as u64);
     }
     let start = |k: usize| k * layers / count * layer;
@@ -274,7 +281,7 @@ mod tests {
     #[test]
     fn parts_are_whole_layers_as_thick_as_the_stencil() {
         let box_of = scene([4, 5, 7], 3, 2);
-        assert_eq!(parts(&box_of, 140), Ok(vec![0..140]));
+        assert_eq!(parts(&box_of, 140), Ok(std::iter::once(0..140).collect()));
         assert_eq!(parts(&box_of, 139), Ok(vec![0..60, 60..140]));
         assert_eq!(parts(&box_of, 60), Ok(vec![0..40, 40..80, 80..140]));
         assert_eq!(
