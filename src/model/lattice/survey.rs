@@ -119,6 +119,27 @@ impl LatticeScene {
         sum
     }
 
+    /// The part of the rate of the held particle at `site` that comes from held ones, its own ghosts
+    /// among them, and from what ghosts add to its diagonal: it is no exchange with others. `state` is
+    /// by site.
+    pub fn rate_among_held(
+        &self,
+        site: usize,
+        state: &[f64],
+        is_held: impl Fn(usize) -> bool,
+    ) -> f64 {
+        let [nx, ny, _] = self.counts;
+        let (own, mut sum) = (state[site], 0.0);
+        self.for_each(self.at(site), |_, weight, places| {
+            let [x, y, z] = places.map(|place| place.index);
+            let there = (z * ny + y) * nx + x;
+            let factor: f64 = places.iter().map(|place| place.factor).product();
+            let value = if is_held(there) { state[there] } else { own };
+            sum += weight * (factor * value - own);
+        });
+        sum
+    }
+
     /// Adds some particles.
     pub(super) fn note(&self, problem: &Problem, alike: &Alike, survey: &mut Survey) {
         let Alike { at, count, free, mass, ratio } = *alike;

@@ -16,8 +16,8 @@ pub(super) struct Uniform {
     volume: f64,
     /// Sites of the held particles, ascending.
     held: Vec<u32>,
-    /// What ghosts add to the diagonal of each of them, 1/s: it is no exchange with other particles.
-    held_diagonal: Vec<f64>,
+    /// What each of them would gain a second without the others, which does not change.
+    among_held: Vec<f64>,
     /// The rows that walls act on, by site.
     walls: WallRows,
 }
@@ -27,10 +27,12 @@ impl Uniform {
         let sites = scene.sites();
         let mut held: Vec<u32> = problem.held.iter().map(|&particle| sites(particle)).collect();
         held.sort_unstable();
-        let diagonal = |&site: &u32| scene.ghost_diagonal(site as usize);
-        let held_diagonal = held.iter().map(diagonal).collect();
+        let state = scene.by_site(&problem.initial);
+        let is_held = |site: usize| held.binary_search(&(site as u32)).is_ok();
+        let among = |&site: &u32| scene.rate_among_held(site as usize, &state, is_held);
+        let among_held = held.iter().map(among).collect();
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
-        Self { scene, volume, held, held_diagonal, walls }
+        Self { scene, volume, held, among_held, walls }
     }
 
     /// Whether a held particle or one with a source of a wall is among `sites`.
@@ -45,7 +47,7 @@ impl Uniform {
         for k in within(&self.held, &sites) {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
-            given -= self.volume * (*rate - self.held_diagonal[k] * now.state[held]);
+            given -= self.volume * (*rate - self.among_held[k]);
             *rate = 0.0;
         }
         for row in within(self.walls.rank(), &sites) {
@@ -92,7 +94,7 @@ impl Rest for Uniform {
     }
 
     fn memory_bytes(&self) -> usize {
-        let held = size_of_val(&*self.held) + size_of_val(&*self.held_diagonal);
+        let held = size_of_val(&*self.held) + size_of_val(&*self.among_held);
         held + self.walls.memory_bytes()
     }
 }
