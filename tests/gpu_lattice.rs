@@ -157,7 +157,7 @@ fn outcome(problem: &Problem, options: GpuOptions) -> (Vec<f64>, f64, usize) {
 fn parts_of_the_state_make_no_difference() {
     let many = |dimension: usize| boundaries(dimension).into_iter().enumerate();
     for dimension in 1..=3 {
-        for (k, boundaries) in many(dimension).filter(|(k, _)| [1, 2, 6, 9].contains(k)) {
+        for (k, boundaries) in many(dimension).filter(|(k, _)| [1, 2, 6, 8].contains(k)) {
             let problem =
                 scene(KernelKind::CubicSpline, 2.0, COUNTS[dimension - 1], boundaries).problem;
             let whole = GpuOptions::new(Precision::F32);
@@ -182,7 +182,7 @@ fn parts_of_the_state_make_no_difference() {
 
 #[test]
 fn a_run_can_be_taken_back_and_divergence_is_seen_in_every_part() {
-    let walls: Value = boundaries(2).remove(9);
+    let walls: Value = boundaries(2).pop().expect("several");
     let mut problem = scene(KernelKind::CubicSpline, 2.0, COUNTS[1], walls).problem;
     let (dt, _) = step(&problem);
     let options = GpuOptions { chunk_bytes: Some(8 * 4 * 13), ..GpuOptions::new(Precision::F64) };

@@ -176,9 +176,10 @@ fn shipped_cases_take_the_path_that_they_can() {
         };
         let taken = report(&name, PathWish::Auto, coarse);
         let round = ["annulus", "annulus_steady", "sphere_cooling", "sphere_convection"];
-        let is_list = round.contains(&name.as_str()) || name == "patches";
-        assert_eq!(taken.path, if is_list { "list" } else { "lattice" }, "{name}");
-        if is_list {
+        // See tests/mixed_path.rs.
+        let is_mixed = round.contains(&name.as_str()) || name == "patches";
+        assert_eq!(taken.path, if is_mixed { "mixed" } else { "lattice" }, "{name}");
+        if is_mixed {
             continue;
         }
         let left = |what: &str| taken.left_out.iter().any(|left| left.what == what);

@@ -17,7 +17,7 @@ fn exception_step(
     let rate = sum + wall_rate(row, own);
     record_inflow(row, own, step);
     if is_held(row) {
-        record_exchange(row, own, step * sum, step);
+        record_exchange(row, step * sum, step);
         after[site - part.first_site] = own;
     } else {
         after[site - part.first_site] = own + step * rate;

@@ -46,7 +46,8 @@ pub(super) struct MachineArguments {
     /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
-    /// How neighbours are known: `auto` takes the lattice where particles fill one, on the CPU
+    /// How neighbours are known, on the CPU: `lattice` takes a stencil wherever it holds and stored
+    /// rows elsewhere, `list` stored rows alone, `auto` the faster
     #[arg(long, value_enum, default_value = "auto")]
     path: PathFlag,
 }

@@ -51,6 +51,14 @@ pub(crate) fn boundaries(dimension: usize) -> Vec<Value> {
         all(json!({ "value": "300 + 20*x" })),
         all(json!({ "flux": "sin(30*t)" })),
         all(convection.clone()),
+        // Held particles of several values whose ghosts reach each other.
+        json!([
+            { "held": {
+                "where": { "sphere": { "center": vec![0.3; dimension], "radius": 1 } },
+                "value": "250 + 30*x"
+            } },
+            { "wall": { "faces": faces, "kind": convection } }
+        ]),
         // Different kinds on every face, some free.
         json!([
             { "wall": { "faces": ["x_min"], "kind": { "flux": 3 } } },

@@ -167,6 +167,11 @@ impl MixedScene {
         self.visits.iter().filter(|visit| visit.whole).count()
     }
 
+    /// The first site with a row of its own.
+    pub fn first_row(&self) -> Option<u32> {
+        self.visits.iter().find(|visit| visit.whole).map(|visit| visit.rank)
+    }
+
     /// How much of the box particles fill.
     pub fn filled(&self) -> f64 {
         self.particles as f64 / sites_of(self.lattice.counts) as f64

@@ -109,12 +109,23 @@ impl LatticeScene {
         }
     }
 
-    /// What ghosts add to the diagonal of the row at `site`: the sum of w (s - 1) over them, 1/s.
-    pub fn ghost_diagonal(&self, site: usize) -> f64 {
-        let mut sum = 0.0;
-        self.for_each(self.at(site), |_, weight, sites| {
-            let factor: f64 = sites.iter().map(|site| site.factor).product();
-            sum += weight * (factor - 1.0);
+    /// The part of the rate of each particle at the sites `held` (ascending) that comes from held
+    /// ones, its own ghosts among them, and from what ghosts add to its diagonal: it is no exchange
+    /// with others. `values` are in the problem's order.
+    pub fn rates_among_held(&self, held: &[u32], values: &[f64]) -> Vec<f64> {
+        held.iter().map(|&site| self.rate_among_held(site as usize, held, values)).collect()
+    }
+
+    fn rate_among_held(&self, site: usize, held: &[u32], values: &[f64]) -> f64 {
+        let [nx, ny, _] = self.counts;
+        let (own, mut sum) = (values[self.particle(site)], 0.0);
+        self.for_each(self.at(site), |_, weight, places| {
+            let [x, y, z] = places.map(|place| place.index);
+            let there = (z * ny + y) * nx + x;
+            let factor: f64 = places.iter().map(|place| place.factor).product();
+            let is_held = held.binary_search(&(there as u32)).is_ok();
+            let value = if is_held { values[self.particle(there)] } else { own };
+            sum += weight * (factor * value - own);
         });
         sum
     }

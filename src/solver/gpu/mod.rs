@@ -178,7 +178,7 @@ impl GpuBackend {
         let exchange = match held.is_empty() {
             true => None,
             false => {
-                let contents = lattice::held_contents(scene, &held, step);
+                let contents = lattice::held_contents(problem, scene, &held, step);
                 Some(device.storage_with("exchange", &real.to_bytes(&contents))?)
             }
         };

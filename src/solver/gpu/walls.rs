@@ -24,7 +24,10 @@ impl Walls {
     /// The walls of `problem` for rows in `order`, scaled by the reference step (s).
     pub(super) fn new(problem: &Problem, order: &[u32], reference_step: f64) -> Self {
         let grid = cell_grid(problem);
-        let WallFold { weight, rows, .. } = wall_fold(problem, &grid);
+        let WallFold { mut weight, rows, .. } = wall_fold(problem, &grid);
+        // Between two held particles nothing is exchanged; their weights need not be symmetric.
+        let is_held = |rank: u32| problem.is_held(grid.order()[rank as usize] as usize);
+        weight.retain(|&(a, b, _)| !(is_held(a) && is_held(b)));
         let mut row_of_particle = vec![0_u32; order.len()];
         for (row, &particle) in (0..).zip(order) {
             row_of_particle[particle as usize] = row;

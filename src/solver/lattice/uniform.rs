@@ -16,8 +16,8 @@ pub(super) struct Uniform {
     volume: f64,
     /// Sites of the held particles, ascending.
     held: Vec<u32>,
-    /// What ghosts add to the diagonal of each of them, 1/s: it is no exchange with other particles.
-    held_diagonal: Vec<f64>,
+    /// What each of them would gain a second without the others, which does not change.
+    among_held: Vec<f64>,
     /// The rows that walls act on, by site.
     walls: WallRows,
 }
@@ -25,10 +25,9 @@ pub(super) struct Uniform {
 impl Uniform {
     pub(super) fn new(problem: &Problem, scene: Arc<LatticeScene>, walls: WallRows) -> Self {
         let held = scene.held_sites(&problem.held);
-        let diagonal = |&site: &u32| scene.ghost_diagonal(site as usize);
-        let held_diagonal = held.iter().map(diagonal).collect();
+        let among_held = scene.rates_among_held(&held, &problem.initial);
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
-        Self { scene, volume, held, held_diagonal, walls }
+        Self { scene, volume, held, among_held, walls }
     }
 
     /// Whether a held particle or one with a source of a wall is among `sites`.
@@ -43,7 +42,7 @@ impl Uniform {
         for k in within(&self.held, &sites) {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
-            given -= self.volume * (*rate - self.held_diagonal[k] * now.state[held]);
+            given -= self.volume * (*rate - self.among_held[k]);
             *rate = 0.0;
         }
         for row in within(self.walls.rank(), &sites) {
@@ -90,7 +89,7 @@ impl Rest for Uniform {
     }
 
     fn memory_bytes(&self) -> usize {
-        let held = size_of_val(&*self.held) + size_of_val(&*self.held_diagonal);
+        let held = size_of_val(&*self.held) + size_of_val(&*self.among_held);
         held + self.walls.memory_bytes()
     }
 }

@@ -9,6 +9,7 @@ use super::GpuOptions;
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
+use crate::model::Problem;
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::model::operator::{WallNeeds, WallRows};
 use crate::solver::plan::Needs;
@@ -196,11 +197,16 @@ pub fn step_passes(needs: Needs) -> Vec<&'static str> {
     passes
 }
 
-/// What the exchange of held particles is counted in: for each, what ghosts add to its diagonal a
-/// reference step, and what it has given.
-pub(super) fn held_contents(scene: &LatticeScene, held: &[u32], reference_step: f64) -> Vec<f64> {
-    let diagonal = |&site: &u32| reference_step * scene.ghost_diagonal(site as usize);
-    held.iter().flat_map(|site| [diagonal(site), 0.0]).collect()
+/// What the exchange of held particles is counted in: for each, what it gets a reference step from
+/// held ones and from walls, and what it has given to others.
+pub(super) fn held_contents(
+    problem: &Problem,
+    scene: &LatticeScene,
+    held: &[u32],
+    reference_step: f64,
+) -> Vec<f64> {
+    let among_held = scene.rates_among_held(held, &problem.initial);
+    among_held.iter().flat_map(|rate| [reference_step * rate, 0.0]).collect()
 }
 
 /// Parts of at most `most` sites: whole layers across the last axis, as even as can be, and each as

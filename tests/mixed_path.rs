@@ -1,0 +1,479 @@
+//! The mixed path against the list path: the same survey, rates, fields, exchange and totals.
+
+use std::ops::ControlFlow;
+
+use diffusph::case::{self, Override, Scene};
+use diffusph::model::lattice::MixedScene;
+use diffusph::model::operator::rows::{cell_grid, survey};
+use diffusph::model::{KernelKind, Material, PairMean, Problem};
+use diffusph::report::run::{LeftOut, RunReport};
+use diffusph::solver::cpu::CpuBackend;
+use diffusph::solver::lattice::LatticeBackend;
+use diffusph::solver::plan::Path;
+use diffusph::solver::{Backend, Machine, MachineKind, PathChoice, PathWish, Plan};
+use diffusph::study::{self, RunOptions};
+use serde_json::{Value, json};
+
+/// The lattice distance of every scene here, m.
+const SPACING: f64 = 0.25;
+
+/// Counts past twice the reach of every stencil here, and other than each other.
+const COUNTS: [&[usize]; 3] = [&[61], &[23, 19], &[12, 13, 11]];
+
+/// Lower and upper corner of a part of the box, as fractions of it.
+fn part(dimension: usize, from: f64, to: f64) -> Value {
+    let counts = COUNTS[dimension - 1];
+    // Whole spacings along x, which is what is cut.
+    let along = |axis: usize, share: f64, whole: f64| {
+        let share = if axis == 0 { share } else { whole };
+        (share * counts[axis] as f64).round() * SPACING
+    };
+    let corner = |share: f64, whole: f64| -> Vec<f64> {
+        (0..dimension).map(|axis| along(axis, share, whole)).collect()
+    };
+    json!({ "box": { "min": corner(from, 0.0), "max": corner(to, 1.0) } })
+}
+
+/// A ball whose centre is at this fraction of the box along every axis.
+fn ball(dimension: usize, at: f64, radius: f64) -> Value {
+    let center = |axis: usize| at * COUNTS[dimension - 1][axis] as f64 * SPACING;
+    let center: Vec<f64> = (0..dimension).map(center).collect();
+    json!({ "sphere": { "center": center, "radius": radius } })
+}
+
+fn cut(of: &Value, minus: &[Value]) -> Value {
+    json!({ "difference": { "of": of, "minus": minus } })
+}
+
+/// A scene of these shapes, each of its own material.
+fn scene(
+    kernel: KernelKind,
+    support_ratio: f64,
+    dimension: usize,
+    shapes: &[(Value, f64)],
+    boundaries: &[Value],
+) -> Problem {
+    let wave = ["7.3*x", "7.3*x + 5.1*y", "7.3*x + 5.1*y - 3.7*z"][dimension - 1];
+    let name = |k: usize| format!("m{k}");
+    let fill =
+        |(k, (shape, _)): (usize, &(Value, f64))| json!({ "shape": shape, "material": name(k) });
+    let material = |(k, (_, diffusivity)): (usize, &(Value, f64))| {
+        (name(k), json!({ "diffusivity": diffusivity }))
+    };
+    let case = json!({
+        "title": "mixed",
+        "dimension": dimension,
+        "particles": {
+            "spacing": SPACING,
+            "fill": shapes.iter().enumerate().map(fill).collect::<Vec<_>>()
+        },
+        "kernel": { "name": kernel.name(), "support_ratio": support_ratio },
+        "materials": shapes.iter().enumerate().map(material).collect::<serde_json::Map<_, _>>(),
+        "initial": [{ "value": format!("300 + 10*sin({wave})") }],
+        "boundaries": boundaries,
+        "time": { "end": 1 }
+    });
+    case::from_json("mixed", case, &[]).unwrap_or_else(|error| panic!("{error}")).problem
+}
+
+/// Names of the faces of some axes.
+fn faces(axes: &[&str]) -> Vec<String> {
+    axes.iter().flat_map(|axis| ["min", "max"].map(|end| format!("{axis}_{end}"))).collect()
+}
+
+/// Problems of every kind that the mixed path takes, by name.
+fn problems(
+    kernel: KernelKind,
+    support_ratio: f64,
+    dimension: usize,
+) -> Vec<(&'static str, Problem)> {
+    let axes = &["x", "y", "z"][..dimension];
+    let make = |shapes: &[(Value, f64)], boundaries: &[Value]| {
+        scene(kernel, support_ratio, dimension, shapes, boundaries)
+    };
+    let whole = part(dimension, 0.0, 1.0);
+    let hole = ball(dimension, 0.45, 0.6);
+    let holed = vec![(cut(&whole, std::slice::from_ref(&hole)), 0.7)];
+    let layers = vec![
+        (part(dimension, 0.0, 0.3), 1.0),
+        (part(dimension, 0.3, 0.6), 1e-6),
+        (part(dimension, 0.6, 1.0), 0.3),
+    ];
+    let two = vec![(part(dimension, 0.0, 0.4), 1e-3), (part(dimension, 0.4, 1.0), 0.9)];
+    let inclusion = ball(dimension, 0.7, 0.5);
+    let included = vec![(cut(&whole, std::slice::from_ref(&inclusion)), 0.7), (inclusion, 5.0)];
+    let all = |kind: Value| json!({ "wall": { "faces": faces(axes), "kind": kind } });
+    let periodic = json!({ "periodic": { "axes": axes } });
+    let held = json!({ "held": { "where": ball(dimension, 0.75, 0.7), "value": "250 + 3*x" } });
+    let convection = json!({ "convection": { "coefficient": 2, "ambient": "290 + 3*x" } });
+    let varying = json!({ "convection": { "coefficient": "2 + x", "ambient": 290 } });
+    let patch = |kind: Value, from: f64| {
+        let mut lower: Vec<f64> = vec![0.0; dimension];
+        let mut upper: Vec<f64> =
+            COUNTS[dimension - 1].iter().map(|&count| count as f64 * SPACING).collect();
+        upper[0] = 0.0;
+        if let Some(y) = lower.get_mut(1) {
+            *y = from;
+        }
+        let region = json!({ "box": { "min": lower, "max": upper } });
+        json!({ "wall": { "faces": ["x_min"], "where": region, "kind": kind } })
+    };
+    let surface = |kind: Value| json!({ "surface": { "of": hole, "kind": kind } });
+    let mut list = vec![
+        ("hole", make(&holed, &[])),
+        ("hole, periodic", make(&holed, std::slice::from_ref(&periodic))),
+        ("hole beside a held ball", make(&holed, std::slice::from_ref(&held))),
+        ("hole at a corner, insulated", {
+            let corner = ball(dimension, 0.0, 0.9);
+            make(&[(cut(&whole, &[corner]), 0.7)], &[all(json!("insulated"))])
+        }),
+        ("hole, values", make(&holed, &[all(json!({ "value": "300 + 20*x" }))])),
+        (
+            "hole, fluxes and held",
+            make(&holed, &[all(json!({ "flux": "sin(30*t)" })), held.clone()]),
+        ),
+        ("hole, convection", make(&holed, &[all(convection.clone())])),
+        ("layers", make(&layers, &[])),
+        ("layers, periodic", make(&layers, std::slice::from_ref(&periodic))),
+        ("layers, values", make(&layers, &[all(json!({ "value": "300 + 5*t" }))])),
+        ("two layers, fluxes", make(&two, &[all(json!({ "flux": 3 }))])),
+        ("two layers, convection", make(&two, &[all(convection.clone())])),
+        ("two layers, convection and held", make(&two, &[all(convection.clone()), held.clone()])),
+        ("varying coefficient", make(&[(whole.clone(), 0.7)], &[all(varying)])),
+        ("convection beside free faces", {
+            let wall = json!({ "wall": { "faces": ["x_max"], "kind": convection } });
+            make(&holed, &[wall])
+        }),
+    ];
+    if dimension > 1 {
+        list.extend([
+            ("ball", make(&[(ball(dimension, 0.5, 1.2), 0.7)], &[])),
+            ("inclusion", make(&included, &[])),
+            ("inclusion, insulated", make(&included, &[all(json!("insulated"))])),
+            (
+                "patch over free",
+                make(&[(whole.clone(), 0.7)], &[patch(json!({ "value": 280 }), 1.0)]),
+            ),
+            (
+                "patches",
+                make(
+                    &[(whole.clone(), 0.7)],
+                    &[
+                        patch(json!({ "flux": "2 + sin(9*t)" }), 1.0),
+                        json!({ "wall": { "faces": faces(axes), "kind": { "value": 310 } } }),
+                    ],
+                ),
+            ),
+            ("surface, flux", make(&holed, &[surface(json!({ "flux": "1 + t" }))])),
+            (
+                "surface, convection",
+                make(&holed, &[surface(convection.clone()), held, all(json!({ "value": 300 }))]),
+            ),
+            ("surface of a ball", {
+                let body = ball(dimension, 0.5, 1.2);
+                let around = json!({ "surface": { "of": body, "kind": convection } });
+                make(&[(body, 0.7)], &[around])
+            }),
+            ("between the sites", {
+                let counts = COUNTS[dimension - 1];
+                let max: Vec<f64> = counts.iter().map(|&n| (n as f64 + 0.3) * SPACING).collect();
+                let odd = json!({ "box": { "min": vec![0; dimension], "max": max } });
+                make(&[(odd, 0.7)], &[all(json!({ "value": "300 + x" }))])
+            }),
+        ]);
+    }
+    list
+}
+
+/// The mixed backend, the way a run makes it, of a scene found in another problem.
+fn backend(problem: &Problem, scene: MixedScene) -> LatticeBackend {
+    let (_, rows) = scene.assemble(problem);
+    LatticeBackend::mixed(problem, scene, rows)
+}
+
+/// How far two backends are apart.
+#[derive(Debug)]
+struct Apart {
+    /// The largest difference of rates over what rounding may do to each.
+    rates: f64,
+    /// The largest difference of fields after some steps over the largest value.
+    fields: f64,
+    /// The difference of what was exchanged, over the total.
+    exchange: f64,
+    /// What the total of the mixed path lost, over the total.
+    lost: f64,
+}
+
+impl Apart {
+    fn worst(&self) -> f64 {
+        [self.rates, self.fields, self.exchange, self.lost].into_iter().fold(0.0, f64::max)
+    }
+}
+
+fn apart(problem: &Problem, mixed: &mut LatticeBackend) -> Apart {
+    let bound = survey(problem, &cell_grid(problem)).rate_bound;
+    let mut list = CpuBackend::of(problem);
+    let (a, b) = (list.rate(0.3).expect("rate"), mixed.rate(0.3).expect("rate"));
+    // Beside faster particles the harmonic mean is twice the own diffusivity at most.
+    let largest = problem.max_diffusivity();
+    let diffusivity =
+        |p: usize| problem.materials[usize::from(problem.particles.material[p])].diffusivity;
+    let scale = |p: usize| match problem.pair_mean {
+        PairMean::Harmonic => 300.0 * bound * diffusivity(p) / largest,
+        PairMean::Arithmetic => 300.0 * bound,
+    };
+    let pairs = a.as_ref().iter().zip(b.as_ref()).enumerate();
+    let rates = pairs.map(|(p, (a, b))| (a - b).abs() / scale(p)).fold(0.0, f64::max);
+    let (dt, steps) = (0.9 / bound, if problem.dimension < 3 { 200 } else { 60 });
+    list.euler(0.0, dt, steps).expect("steps");
+    mixed.euler(0.0, dt, steps).expect("steps");
+    let (a, b) = (list.read().expect("read"), mixed.read().expect("read"));
+    let (a, b) = (a.as_ref(), b.as_ref());
+    assert_eq!(a.len(), b.len());
+    let largest = a.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+    let fields = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+    let volume = &problem.particles.volume;
+    let total = |state: &[f64]| state.iter().zip(volume).map(|(c, v)| c * v).sum::<f64>();
+    let (before, given) = (total(&problem.initial), mixed.exchange().expect("exchange"));
+    let exchange = (list.exchange().expect("exchange") - given).abs() / before;
+    let lost = (total(b) - before - given).abs() / before;
+    assert!(mixed.is_finite().expect("finite"));
+    Apart { rates, fields, exchange, lost }
+}
+
+#[test]
+fn surveys_rates_fields_and_totals_agree_for_every_kernel_dimension_support_and_scene() {
+    for kernel in KernelKind::ALL {
+        for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+            for support_ratio in [1.5, 2.0, 3.0, 3.7] {
+                // In 3-D wide supports of every kernel take long, and have the same stencil.
+                if dimension == 3 && support_ratio != 2.0 && kernel != KernelKind::WendlandC2 {
+                    continue;
+                }
+                for (name, mut problem) in problems(kernel, support_ratio, dimension) {
+                    for mean in PairMean::ALL {
+                        if mean != problem.pair_mean && problem.materials.len() == 1 {
+                            continue;
+                        }
+                        problem.pair_mean = mean;
+                        let name =
+                            format!("{kernel:?} {dimension}-D {support_ratio} {mean:?} {name}");
+                        agree(&problem, &name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn agree(problem: &Problem, name: &str) {
+    let scene = MixedScene::of(problem).unwrap_or_else(|why| panic!("{name}: {why}"));
+    let (found, _) = scene.assemble(problem);
+    let expected = survey(problem, &cell_grid(problem));
+    assert_eq!(found.entries, expected.entries, "{name}");
+    assert_eq!(found.most_neighbors, expected.most_neighbors, "{name}");
+    assert_eq!(found.symmetric, expected.symmetric, "{name}");
+    assert_eq!((found.fault, found.coincident), (None, None), "{name}");
+    for (a, b) in [
+        (found.rate_bound, expected.rate_bound),
+        (found.min_density, expected.min_density),
+        (found.max_density, expected.max_density),
+    ] {
+        assert!((a / b - 1.0).abs() < 1e-12, "{name}: {a} {b}");
+    }
+    let apart = apart(problem, &mut backend(problem, scene));
+    assert!(apart.worst() < 1e-13, "{name}: {apart:?}");
+}
+
+#[test]
+fn most_particles_have_the_stencil_and_the_others_are_told() {
+    let share = |name: &str| {
+        let found = problems(KernelKind::CubicSpline, 2.0, 2).into_iter();
+        let (_, problem) = found.into_iter().find(|(n, _)| *n == name).expect("a scene");
+        let scene = MixedScene::of(&problem).expect("mixed");
+        (scene.rows(), problem.particles.len())
+    };
+    // By hand: the reach is 1 along the axes and across.
+    assert_eq!(share("layers").0, 4 * COUNTS[1][1]);
+    assert_eq!(share("varying coefficient").0, 23 * 19 - 19 * 15);
+    let (rows, all) = share("hole");
+    assert!(rows > 10 && rows < all / 8, "{rows} of {all}");
+    let (rows, all) = share("surface of a ball");
+    assert!(rows > 20 && rows < all, "{rows} of {all}");
+}
+
+#[test]
+fn one_changed_number_is_noticed() {
+    let scenes = problems(KernelKind::WendlandC4, 3.0, 2);
+    for name in ["hole", "layers", "surface, flux", "patches", "hole, convection"] {
+        let (_, problem) = scenes.iter().find(|(n, _)| *n == name).expect("a scene");
+        let scene = MixedScene::of(problem).expect("mixed");
+        // One factor of the stencil.
+        let mut ratio = scene.clone();
+        ratio.ratios[0].1 *= 1.0 + 1e-6;
+        let found = apart(problem, &mut backend(problem, ratio));
+        assert!(found.rates > 1e-13 && found.fields > 1e-13, "{name}: {found:?}");
+        // One weight of a stored row.
+        let stored = scene.first_row().expect("a row") as usize;
+        let neighbor = problem.particles.position.iter().position(|x| {
+            let d = x.distance(problem.particles.position[scene.lattice.particle(stored)]);
+            d > 0.0 && d < 1.1 * SPACING
+        });
+        let mut heavier = problem.clone();
+        heavier.particles.volume[neighbor.expect("a neighbour")] *= 1.0 + 1e-6;
+        let (_, rows) = scene.assemble(&heavier);
+        let found = apart(problem, &mut LatticeBackend::mixed(problem, scene, rows));
+        assert!(found.rates > 1e-13 && found.fields > 1e-13, "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn inclusions_at_random_and_speckles_agree() {
+    for (support_ratio, one_in) in [(2.0, 400), (3.0, 900), (2.0, 3)] {
+        let whole = part(3, 0.0, 1.0);
+        let mut problem = scene(KernelKind::WendlandC2, support_ratio, 3, &[(whole, 1.0)], &[]);
+        let slow = |diffusivity| Material { diffusivity, ..problem.materials[0].clone() };
+        let (slow, slower) = (slow(1e-3), slow(1e-6));
+        problem.materials.extend([slow, slower]);
+        let mut seed = 7_u64;
+        for material in &mut problem.particles.material {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+            if (seed >> 33).is_multiple_of(one_in) {
+                *material = 1 + (seed >> 40) as u16 % 2;
+            }
+        }
+        for pair_mean in PairMean::ALL {
+            problem.pair_mean = pair_mean;
+            agree(&problem, &format!("{support_ratio} 1 in {one_in} {pair_mean:?}"));
+        }
+    }
+}
+
+/// A box of 40 x 40 x 40 with a large hole and a slow layer: several parallel tasks.
+fn large() -> Problem {
+    let whole = json!({ "box": { "min": [0, 0, 0], "max": [10, 10, 10] } });
+    let hole = json!({ "sphere": { "center": [4, 5, 5], "radius": 3 } });
+    let slow = json!({ "box": { "min": [8, 0, 0], "max": [9, 10, 10] } });
+    let holed = cut(&whole, &[hole, slow.clone()]);
+    let wall = json!({ "wall": { "faces": ["z_min"], "kind": { "value": "300 + x" } } });
+    let held = json!({ "held": {
+        "where": { "sphere": { "center": [1, 1, 9], "radius": 1 } }, "value": 320
+    } });
+    scene(KernelKind::CubicSpline, 2.0, 3, &[(holed, 1.0), (slow, 1e-2)], &[wall, held])
+}
+
+#[test]
+fn large_scenes_in_parallel_agree_in_any_order_of_particles() {
+    let mut problem = large();
+    agree(&problem, "as filled");
+    let last = problem.particles.len() - 1;
+    for (a, b) in [(0, last), (17, 333), (12_345, 34_321)] {
+        problem.particles.position.swap(a, b);
+        problem.particles.material.swap(a, b);
+        problem.initial.swap(a, b);
+    }
+    agree(&problem, "in another order");
+}
+
+#[test]
+fn scenes_thinner_than_the_support_agree() {
+    for max in [[0.25, 4.0], [0.5, 4.0], [4.0, 0.5]] {
+        let whole = json!({ "box": { "min": [0, 0], "max": max } });
+        let hole = json!({ "box": { "min": [1, 1], "max": [1.5, 1.5] } });
+        let hole = if max[0] < 1.0 || max[1] < 1.0 { vec![] } else { vec![hole] };
+        let ends = json!({ "box": { "min": [0, 0], "max": max.map(|x: f64| x.min(2.0)) } });
+        let shapes = [(cut(&whole, std::slice::from_ref(&ends)), 0.7), (cut(&ends, &hole), 0.1)];
+        let problem = scene(KernelKind::WendlandC2, 3.7, 2, &shapes, &[]);
+        agree(&problem, &format!("{max:?}"));
+    }
+}
+
+#[test]
+fn what_is_no_lattice_takes_the_list_and_says_why() {
+    let holed = problems(KernelKind::CubicSpline, 2.0, 2).swap_remove(0).1;
+    let why = |change: &dyn Fn(&mut Problem)| {
+        let mut problem = holed.clone();
+        change(&mut problem);
+        MixedScene::of(&problem).expect_err("no lattice")
+    };
+    let off = why(&|problem| problem.particles.position[5].x += 1e-4);
+    assert_eq!(off, "a particle is not on its site of the lattice");
+    let twice = why(&|problem| problem.particles.position[5] = problem.particles.position[4]);
+    assert_eq!(twice, "two particles are on one site of the lattice");
+    assert_eq!(why(&|problem| problem.particles.volume[3] *= 1.1), "particles differ in volume");
+    let sparse = why(&|problem| problem.domain.max *= 4.0);
+    assert_eq!(sparse, "the particles fill less than a tenth of the box around them");
+}
+
+#[test]
+fn speckles_and_sparse_bodies_take_the_list_unless_the_stencil_is_wished_for() {
+    let speckled = |one_in: usize| {
+        let mut problem = scene(KernelKind::CubicSpline, 2.0, 3, &[(part(3, 0.0, 1.0), 1.0)], &[]);
+        let slow = Material { diffusivity: 1e-3, ..problem.materials[0].clone() };
+        problem.materials.push(slow);
+        problem.particles.material.iter_mut().step_by(one_in).for_each(|m| *m = 1);
+        problem
+    };
+    let path = |problem: &Problem, wish| {
+        let choice = PathChoice::new(problem, MachineKind::Cpu, wish).expect("a path");
+        Plan::new(problem, MachineKind::Cpu, &choice, 0)
+    };
+    let few = path(&speckled(701), PathWish::Auto);
+    assert_eq!((few.path, few.why_no_lattice), (Path::Mixed, Some(DIFFER)));
+    let many = path(&speckled(3), PathWish::Auto);
+    let why = "too few particles have the lattice's stencil";
+    assert_eq!((many.path, many.why_no_lattice), (Path::List, Some(why)));
+    assert_eq!(path(&speckled(3), PathWish::Lattice).path, Path::Mixed);
+    assert_eq!(path(&speckled(701), PathWish::List).path, Path::List);
+    // One particle off its site.
+    let mut moved = speckled(701);
+    moved.particles.position[700].x += 1e-3;
+    assert_eq!(path(&moved, PathWish::Auto).path, Path::List);
+    let refused = PathChoice::new(&moved, MachineKind::Cpu, PathWish::Lattice);
+    assert!(refused.expect_err("no lattice").to_string().contains("not on its site"));
+}
+
+/// Why a scene of two materials is no plain lattice.
+const DIFFER: &str = "particles differ in diffusivity or density";
+
+/// The report of a case with these changes on this path.
+fn report(name: &str, path: PathWish, set: &[&str]) -> RunReport {
+    let parse = |text: &&str| Override::parse(text).expect("an override");
+    let overrides: Vec<Override> = set.iter().map(parse).collect();
+    let scene: Scene =
+        case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let options = RunOptions { path, ..RunOptions::new(&Machine::Cpu) };
+    let run = study::run(&scene, &options, &mut |_| ControlFlow::Continue(())).expect("it runs");
+    run.report
+}
+
+#[test]
+fn shipped_cases_that_are_no_plain_lattice_are_mixed_and_give_the_same() {
+    for name in ["patches", "annulus", "annulus_steady", "sphere_cooling", "sphere_convection"] {
+        let set: &[&str] = match name {
+            "patches" => &["time.end=0.2"],
+            "annulus_steady" => &["time.end=0.1"],
+            _ => &[],
+        };
+        let list = report(name, PathWish::List, set);
+        assert_eq!(list.path, "list", "{name}");
+        for wish in [PathWish::Auto, PathWish::Lattice] {
+            let taken = report(name, wish, set);
+            assert_eq!(taken.path, "mixed", "{name} {wish:?}");
+            assert_eq!(taken.steps, list.steps, "{name}");
+            let of_list = |left: &&LeftOut| left.what == "neighbour list and weights";
+            let left = taken.left_out.iter().find(of_list).expect("most of the list is left out");
+            assert!(left.why.starts_with("a stencil holds but for "), "{name}: {}", left.why);
+            assert!(left.bytes_saved > 0 && taken.memory_bytes < list.memory_bytes, "{name}");
+            for (a, b) in [
+                (taken.field.min, list.field.min),
+                (taken.field.max, list.field.max),
+                (taken.field.mean, list.field.mean),
+                (taken.conserved.last, list.conserved.last),
+                (taken.conserved.boundary_exchange, list.conserved.boundary_exchange),
+            ] {
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "{name}: {a} {b}");
+            }
+        }
+    }
+}
