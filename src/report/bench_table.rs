@@ -89,7 +89,7 @@ fn row(m: &Measurement) -> [String; COLUMNS.len()] {
         grouped(m.particles),
         significant(m.neighbors, 3),
         wall_time(m.setup_s),
-        significant(m.updates_per_s, 3),
+        updates(m),
         significant(m.bytes_per_update, 3),
         percent(m.copy_fraction),
         significant(m.operations_per_update, 3),
@@ -97,6 +97,13 @@ fn row(m: &Measurement) -> [String; COLUMNS.len()] {
         format!("{} ({})", percent(m.limit_fraction), m.bound_by),
         bytes(m.memory_bytes),
     ]
+}
+
+/// Updates a second with half of what the rounds differ by.
+fn updates(m: &Measurement) -> String {
+    let range = m.fastest_updates_per_s - m.slowest_updates_per_s;
+    let rate = significant(m.updates_per_s, 3);
+    format!("{rate} ± {:.0} %", 50.0 * range / m.updates_per_s)
 }
 
 fn growth(f: &mut fmt::Formatter<'_>, growth: &Growth) -> fmt::Result {
@@ -150,6 +157,8 @@ mod tests {
             neighbors: 25.53,
             setup_s: 0.032,
             updates_per_s: 3.456e8,
+            slowest_updates_per_s: 3.3e8,
+            fastest_updates_per_s: 3.5e8,
             bytes_per_update: 16.0,
             copy_fraction: 0.301,
             operations_per_update: 31.0,
@@ -208,7 +217,7 @@ mod tests {
             "diffusph 1.2.3, cpu, 2 threads\n",
             "limits in f64: copy 18.4 GB/s (9.31 on one thread), arithmetic 80 GFLOP/s (AVX2 and FMA)\n",
             "\nlattice, f64, 3-D, H/dx 2\n",
-            "  1 000 000        25.5   32 ms     3.46e8     16     30 %  ",
+            "  1 000 000        25.5   32 ms  3.46e8 ± 3 %     16     30 %  ",
             "          5.1 %   30 % (copy)   16 MB\n",
             "  time grows as N^1.031 over 4 sizes from 1e5; 91 % of the rate at 1e6 at the largest\n",
             "\nleft out\n  lattice, f64, 3-D, H/dx 2, 1e8: no room\n",

@@ -31,9 +31,14 @@ impl Bench<'_> {
                 of.report.measurements.push(measurement);
                 Ok(())
             }
-            Err(SolverError::NoLattice { why }) => {
+            // The path or the precision cannot be had, whatever the size.
+            Err(error) if error.is_usage() => {
                 of.closed = true;
-                self.report.left_out.push(of.series.left_out(None, why.to_owned()));
+                let why = match error {
+                    SolverError::NoLattice { why } => why.to_owned(),
+                    error => error.to_string(),
+                };
+                self.report.left_out.push(of.series.left_out(None, why));
                 Ok(())
             }
             Err(error) if error.is_lack_of_room() => {
