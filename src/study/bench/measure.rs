@@ -38,11 +38,11 @@ impl Bench<'_> {
                     SolverError::NoLattice { why } => why.to_owned(),
                     error => error.to_string(),
                 };
-                self.report.left_out.push(of.series.left_out(None, why));
+                of.leave_out(None, why);
                 Ok(())
             }
             Err(error) if error.is_lack_of_room() => {
-                self.report.left_out.push(of.series.left_out(Some(size), error.to_string()));
+                of.leave_out(Some(size), error.to_string());
                 Ok(())
             }
             Err(error) => Err(error),

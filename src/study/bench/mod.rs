@@ -16,6 +16,9 @@ use crate::solver::{Limits, Machine, PathWish, Precision, SolverError, limits};
 /// The least size: in a smaller box hardly a particle is far from every edge.
 pub const LEAST_SIZE: u64 = 1000;
 
+/// Limits are measured for so many times as long as the rest, which is compared with them.
+const LIMIT_SHARE: u32 = 4;
+
 /// What is measured, and for how long.
 #[derive(Debug)]
 pub struct BenchOptions<'a> {
@@ -76,6 +79,7 @@ struct Progressing {
     /// Whether no size of it can run here.
     closed: bool,
     report: SeriesReport,
+    left_out: Vec<LeftOutSize>,
 }
 
 /// Measures the limits of the machine, then every series at every size. `progress` is told what
@@ -157,7 +161,8 @@ impl<'a> Bench<'a> {
     fn measure_limits(&mut self, precision: Precision) -> Result<(), SolverError> {
         let options = self.options;
         let machine = options.machine.in_precision(precision);
-        let limits = Limits::measure(&machine, options.least, room::free_memory() / 8)?;
+        let limits =
+            Limits::measure(&machine, LIMIT_SHARE * options.least, room::free_memory() / 8)?;
         self.report.limits.push(LimitReport {
             precision: precision.name().to_owned(),
             copy_bytes_per_s: limits.copy,
@@ -186,8 +191,10 @@ impl<'a> Bench<'a> {
                 continue;
             }
             let why = of.why_left_out(particles, free, self.options.most_setup);
-            let leave = |why| self.report.left_out.push(of.series.left_out(Some(size), why));
-            why.map_or_else(|| fitting.push(index), leave);
+            match why {
+                Some(why) => of.leave_out(Some(size), why),
+                None => fitting.push(index),
+            }
         }
         let here = self.all_series.iter().filter(|of| of.series.dimension == dimension).count();
         self.done += (here - fitting.len()) as u64;
@@ -214,6 +221,7 @@ impl<'a> Bench<'a> {
     /// The report, with how time grows in each series.
     fn finish(mut self) -> BenchReport {
         for of in self.all_series {
+            self.report.left_out.extend(of.left_out);
             let mut report = of.report;
             report.growth = growth::growth(&report.measurements);
             if !report.measurements.is_empty() {
@@ -234,7 +242,20 @@ impl Progressing {
             measurements: Vec::new(),
             growth: growth::growth(&[]),
         };
-        Self { series, machine, limits, last: None, closed: false, report }
+        Self { series, machine, limits, last: None, closed: false, report, left_out: Vec::new() }
+    }
+
+    /// Leaves out a size, or all of them.
+    fn leave_out(&mut self, size: Option<u64>, why: String) {
+        let SeriesReport { path, precision, dimension, support_ratio, .. } = &self.report;
+        self.left_out.push(LeftOutSize {
+            path: path.clone(),
+            precision: precision.clone(),
+            dimension: *dimension,
+            support_ratio: *support_ratio,
+            size,
+            why,
+        });
     }
 
     /// Why `particles` particles are left out.
@@ -257,17 +278,5 @@ impl Series {
         let Self { precision, dimension, support_ratio, .. } = self;
         let (path, precision) = (self.path_name(), precision.name());
         format!("{path}, {precision}, {dimension}-D, H/dx {support_ratio}, {size} particles")
-    }
-
-    /// The series without a size, or without all of them.
-    fn left_out(&self, size: Option<u64>, why: String) -> LeftOutSize {
-        LeftOutSize {
-            path: self.path_name().to_owned(),
-            precision: self.precision.name().to_owned(),
-            dimension: self.dimension,
-            support_ratio: self.support_ratio,
-            size,
-            why,
-        }
     }
 }
