@@ -4,7 +4,7 @@
 use criterion::{Criterion, Throughput};
 use diffusph::case::{self, Override};
 use diffusph::model::Problem;
-use diffusph::model::operator::rows::{assemble, cell_grid};
+use diffusph::model::operator::rows::{assemble, cell_grid, survey};
 use diffusph::model::stability::safe_step;
 use diffusph::solver::Backend;
 use diffusph::solver::cpu::CpuBackend;
@@ -24,9 +24,8 @@ fn hot_kernels(criterion: &mut Criterion) {
     group.bench_function("cell sort", |bencher| bencher.iter(|| cell_grid(&problem)));
     let grid = cell_grid(&problem);
     group.bench_function("assembly", |bencher| bencher.iter(|| assemble(&problem, &grid)));
-    let (survey, rows) = assemble(&problem, &grid);
-    let step = safe_step(survey.rate_bound);
-    let mut backend = CpuBackend::new(&problem, grid.into_order(), rows);
+    let step = safe_step(survey(&problem, &grid).rate_bound);
+    let mut backend = CpuBackend::of(&problem);
     group.bench_function("Euler step", |bencher| {
         bencher.iter(|| backend.euler(0.0, step, 1).expect("a step"));
     });

@@ -15,3 +15,13 @@ fn row_sum(row: u32) -> real {
     return sum;
 }
 
+// A row with a slot of a wall carries WALL_BIT in its length, and its list names the slot after the
+// last neighbour.
+fn has_wall(row: u32) -> bool {
+    return (row_length[row] & WALL_BIT) != 0u;
+}
+
+fn wall_slot(row: u32) -> u32 {
+    let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
+    return neighbor[first + list_length(row) * SLICE_ROWS];
+}

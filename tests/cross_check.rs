@@ -1,7 +1,7 @@
 //! The CPU path against the GPU, through types that cannot be mixed up.
 
 use diffusph::case::{self, Override, Scene};
-use diffusph::model::operator::rows::{assemble, cell_grid, survey};
+use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::cpu::{CpuBackend, CpuField};
 use diffusph::solver::gpu::{GpuBackend, GpuField};
@@ -43,12 +43,6 @@ fn small_cases() -> Vec<Scene> {
     case::shipped().iter().map(|(name, _)| load(name)).collect()
 }
 
-fn cpu(problem: &Problem) -> CpuBackend {
-    let grid = cell_grid(problem);
-    let (_, rows) = assemble(problem, &grid);
-    CpuBackend::new(problem, grid.into_order(), rows)
-}
-
 /// The largest difference over the largest value.
 fn difference(cpu: &CpuField, gpu: &GpuField) -> f64 {
     let pairs = cpu.as_ref().iter().zip(gpu.as_ref());
@@ -88,7 +82,7 @@ fn rate_tolerance(problem: &Problem, precision: Precision) -> Vec<f64> {
 fn compare_rates(on_cpu: &Problem, on_gpu: &Problem, precision: Precision) -> usize {
     let mut backend = GpuBackend::new(on_gpu, 1e-3, device(), precision).expect("backend");
     let (rate, on_device) =
-        (cpu(on_cpu).rate(0.0).expect("rate"), backend.rate(0.0).expect("rate"));
+        (CpuBackend::of(on_cpu).rate(0.0).expect("rate"), backend.rate(0.0).expect("rate"));
     rates_apart(&rate, &on_device, &rate_tolerance(on_cpu, precision))
 }
 
@@ -136,7 +130,7 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
             *value += 3.0 + (x.x + 2.0 * x.y).sin();
         }
         let dt = 0.9 / survey(&problem, &cell_grid(&problem)).rate_bound;
-        let mut on_cpu = cpu(&problem);
+        let mut on_cpu = CpuBackend::of(&problem);
         on_cpu.euler(0.0, dt, STEPS).expect("steps");
         for precision in Precision::ALL {
             let mut on_gpu = GpuBackend::new(&problem, dt, device(), precision).expect("backend");
@@ -159,7 +153,7 @@ fn the_cross_check_notices_one_changed_weight() {
     let dt = scene.problem.spacing.powi(2) / scene.problem.materials[0].diffusivity / 10.0;
     let mut changed = scene.problem.clone();
     changed.particles.volume[6000] *= 1.0 + 1e-3;
-    let mut on_cpu = cpu(&scene.problem);
+    let mut on_cpu = CpuBackend::of(&scene.problem);
     let mut on_gpu = GpuBackend::new(&changed, dt, device(), Precision::F64).expect("backend");
     on_cpu.euler(0.0, dt, STEPS).expect("steps");
     on_gpu.euler(0.0, dt, STEPS).expect("steps");
@@ -182,6 +176,6 @@ fn saved_states_come_back_on_both_sides() {
         assert_eq!(backend.read().expect("read").as_ref(), before);
         assert!(backend.is_finite().expect("check"));
     }
-    check(cpu(&problem), dt);
+    check(CpuBackend::of(&problem), dt);
     check(gpu, dt);
 }

@@ -2,80 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use diffusph::case::{self, Override, Scene};
+use diffusph::case::{self, Override};
 use diffusph::model::lattice::LatticeScene;
-use diffusph::model::operator::rows::{assemble, cell_grid, survey};
+use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Material, Problem};
 use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
 use diffusph::solver::{Backend, Machine, PathWish};
 use diffusph::study::{self, RunOptions};
-use serde_json::{Value, json};
+use serde_json::json;
 
-/// A box of these counts, with these boundaries.
-fn scene(kernel: KernelKind, support_ratio: f64, counts: &[usize], boundaries: Value) -> Scene {
-    let max: Vec<f64> = counts.iter().map(|&count| 0.25 * count as f64).collect();
-    let wave = ["7.3*x", "7.3*x + 5.1*y", "7.3*x + 5.1*y - 3.7*z"][counts.len() - 1];
-    let case = json!({
-        "title": "box",
-        "dimension": counts.len(),
-        "particles": {
-            "spacing": 0.25,
-            "fill": [{
-                "shape": { "box": { "min": vec![0; counts.len()], "max": max } },
-                "material": "m"
-            }]
-        },
-        "kernel": { "name": kernel.name(), "support_ratio": support_ratio },
-        "materials": { "m": { "diffusivity": 0.7 } },
-        "initial": [{ "value": format!("300 + 10*sin({wave})") }],
-        "boundaries": boundaries,
-        "time": { "end": 1 }
-    });
-    case::from_json("box", case, &[]).unwrap_or_else(|error| panic!("{error}"))
-}
+use scenes::{COUNTS, boundaries, difference, scene};
 
-/// Boundaries of every kind that a lattice takes, for a scene of this dimension.
-fn boundaries(dimension: usize) -> Vec<Value> {
-    let axes = &["x", "y", "z"][..dimension];
-    let faces: Vec<String> =
-        axes.iter().flat_map(|axis| ["min", "max"].map(|end| format!("{axis}_{end}"))).collect();
-    let all = |kind: Value| json!([{ "wall": { "faces": faces, "kind": kind } }]);
-    let held = json!({ "held": {
-        "where": { "sphere": { "center": vec![1.1; dimension], "radius": 0.6 } }, "value": 250
-    } });
-    let convection = json!({ "convection": { "coefficient": 2, "ambient": "290 + 3*x" } });
-    let mut list = vec![
-        json!([]),
-        json!([{ "periodic": { "axes": axes } }]),
-        json!([{ "periodic": { "axes": axes } }, held]),
-        json!([held]),
-        all(json!("insulated")),
-        all(json!({ "value": "300 + 20*x" })),
-        all(json!({ "flux": "sin(30*t)" })),
-        all(convection.clone()),
-        // Different kinds on every face, some free.
-        json!([
-            { "wall": { "faces": ["x_min"], "kind": { "flux": 3 } } },
-            { "wall": { "faces": ["x_max"], "kind": { "value": "300 + 5*t" } } }
-        ]),
-    ];
-    if dimension > 1 {
-        list.push(json!([
-            { "periodic": { "axes": ["x"] } },
-            { "wall": { "faces": ["y_min"], "kind": { "value": "300 + 20*sin(40*t)" } } },
-            { "wall": { "faces": ["y_max"], "kind": "insulated" } },
-            held
-        ]));
-    }
-    list
-}
-
-fn list(problem: &Problem) -> CpuBackend {
-    let grid = cell_grid(problem);
-    let (_, rows) = assemble(problem, &grid);
-    CpuBackend::new(problem, grid.into_order(), rows)
-}
+#[path = "lattice_path/scenes.rs"]
+mod scenes;
 
 /// The lattice backend, the way a run makes it.
 fn lattice(problem: &Problem) -> impl Backend {
@@ -85,17 +25,10 @@ fn lattice(problem: &Problem) -> impl Backend {
     LatticeBackend::new(problem, scene, walls)
 }
 
-/// The largest difference over the largest value.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let scale = a.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
-}
-
 /// How far the two paths are apart after some steps: fields, and exchange over the total.
 fn apart(on_list: &Problem, on_lattice: &Problem) -> (f64, f64) {
     let dt = 0.9 / survey(on_list, &cell_grid(on_list)).rate_bound;
-    let (mut one, mut other) = (list(on_list), lattice(on_lattice));
+    let (mut one, mut other) = (CpuBackend::of(on_list), lattice(on_lattice));
     one.euler(0.0, dt, 40).expect("steps");
     other.euler(0.0, dt, 40).expect("steps");
     let (a, b) = (one.read().expect("read"), other.read().expect("read"));
@@ -103,9 +36,6 @@ fn apart(on_list: &Problem, on_lattice: &Problem) -> (f64, f64) {
     let exchange = one.exchange().expect("exchange") - other.exchange().expect("exchange");
     (difference(a.as_ref(), b.as_ref()), exchange.abs() / total)
 }
-
-/// Counts past twice the reach of every stencil here, and other than each other.
-const COUNTS: [&[usize]; 3] = [&[37], &[13, 11], &[9, 10, 11]];
 
 #[test]
 fn surveys_and_fields_agree_for_every_kernel_dimension_support_and_boundary() {

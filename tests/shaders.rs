@@ -6,7 +6,8 @@ use diffusph::gpu::limits::{CHAIN, limit_sources};
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
-use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE, WallTerms};
+use diffusph::solver::gpu::lattice::{PART, StencilSource};
+use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE, WallTerms, finite};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
 
@@ -82,6 +83,34 @@ fn combinations() -> Vec<Choices> {
     all
 }
 
+/// Lattices of every kind: the stencil is written out or a loop.
+fn lattices() -> Vec<StencilSource> {
+    let mut all = Vec::new();
+    for precision in Precision::ALL {
+        for walls in WallTerms::ALL {
+            for bits in 0..16_u32 {
+                let bit = |n: u32| bits >> n & 1 == 1;
+                let neighbors: isize = if bit(0) { 200 } else { 4 };
+                let entry = |k: isize| ([k % 5 - 2, k / 5 - 1, 0], 0.1 / (1 + k / 2) as f64);
+                all.push(StencilSource {
+                    counts: [9, 8, if bit(1) { 7 } else { 1 }],
+                    reach: 2,
+                    dimension: if bit(1) { 3 } else { 2 },
+                    periodic: [bit(2), false, bit(1)],
+                    mirrors: 0b1000,
+                    entries: (0..neighbors).map(entry).collect(),
+                    is_split: bit(3),
+                    held: bit(2),
+                    walls,
+                    precision,
+                    workgroup_size: 64,
+                });
+            }
+        }
+    }
+    all
+}
+
 fn a_choice(precision: Precision) -> Choices {
     let mut all = combinations().into_iter();
     all.find(|choices| choices.precision == precision).expect("both precisions are among them")
@@ -91,8 +120,10 @@ fn a_choice(precision: Precision) -> Choices {
 fn every_combination_is_valid() {
     let mut seen = BTreeSet::new();
     let passes = combinations().into_iter().flat_map(|choices| choices.all());
-    let limits = Real::ALL.into_iter().flat_map(limit_sources);
-    for source in passes.chain(scan_sources()).chain(limits) {
+    let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
+    let passes = passes.chain(Real::ALL.map(|real| finite(real, 64)));
+    let passes = passes.chain(Real::ALL.into_iter().flat_map(limit_sources));
+    for source in passes.chain(scan_sources()) {
         let text = source.link().expect("every file exists");
         if seen.insert(text.clone())
             && let Err(message) = check(&text)
@@ -140,7 +171,7 @@ fn laid_out(layout: &BlockLayout, real: Real) -> (Vec<u32>, u32) {
 #[test]
 fn parameter_blocks_are_laid_out_as_the_shaders_read_them() {
     let odd = BlockLayout { name: "Odd", counts: &["one", "two", "three"], reals: &["four"] };
-    for layout in [&GRID, &CHUNK, &STEP_SIZE, &CHAIN, &odd] {
+    for layout in [&GRID, &CHUNK, &STEP_SIZE, &PART, &CHAIN, &odd] {
         for real in Real::ALL {
             let (offsets, size) = laid_out(layout, real);
             let counts = (0..layout.counts.len()).map(|i| 4 * i);

@@ -261,9 +261,7 @@ fn the_rod_with_mirrors_converges_with_slope_two() {
     let (problem, exact) = rod(320);
     let dt = 0.2 * problem.spacing.powi(2) / 1.28e-4;
     let steps = (end / dt).ceil();
-    let grid = cell_grid(&problem);
-    let (_, rows) = assemble(&problem, &grid);
-    let mut backend = CpuBackend::new(&problem, grid.into_order(), rows);
+    let mut backend = CpuBackend::of(&problem);
     backend.euler(0.0, end / steps, steps as u64).expect("steps");
     let state = backend.read().expect("read");
     let euler = norms(&problem, state.as_ref(), &exact, end).l2_relative;

@@ -1,6 +1,6 @@
 //! Walls of every kind: the CPU path against the GPU, and the balance of both.
 
-use diffusph::model::operator::rows::{assemble, cell_grid, survey, wall_fold};
+use diffusph::model::operator::rows::{cell_grid, survey, wall_fold};
 use diffusph::model::{
     Condition, Face, KernelKind, Problem, Region, ScalarField, Surface, Wall, WallKind,
 };
@@ -70,12 +70,6 @@ fn walled(kernel: KernelKind, dimension: usize, kind: WallKind, changing: bool) 
     problem
 }
 
-fn cpu(problem: &Problem) -> CpuBackend {
-    let grid = cell_grid(problem);
-    let (_, rows) = assemble(problem, &grid);
-    CpuBackend::new(problem, grid.into_order(), rows)
-}
-
 fn gpu(problem: &Problem, precision: Precision) -> GpuBackend {
     GpuBackend::new(problem, STEP, device(), precision).expect("backend")
 }
@@ -105,7 +99,7 @@ fn rate_tolerance(problem: &Problem, precision: Precision, t: f64) -> Vec<f64> {
 
 /// How many rates of the two scenes, one on each side, differ by more than roundings explain.
 fn rates_apart(on_cpu: &Problem, on_gpu: &Problem, precision: Precision, t: f64) -> usize {
-    let here = cpu(on_cpu).rate(t).expect("rate");
+    let here = CpuBackend::of(on_cpu).rate(t).expect("rate");
     let there = gpu(on_gpu, precision).rate(t).expect("rate");
     let allowed = rate_tolerance(on_cpu, precision, t);
     let pairs = here.as_ref().iter().zip(there.as_ref()).zip(&allowed);
@@ -155,7 +149,7 @@ fn fields_and_balances_agree_after_many_steps_that_change_in_time() {
             let problem = walled(KernelKind::WendlandC2, 2, kind, changing);
             let survey = survey(&problem, &cell_grid(&problem));
             let dt = 0.9 / survey.rate_bound;
-            let mut here = cpu(&problem);
+            let mut here = CpuBackend::of(&problem);
             here.euler(0.0, dt, STEPS).expect("steps");
             let field = here.read().expect("read").as_ref().to_vec();
             let scale = 330.0 * problem.particles.volume.iter().sum::<f64>();
@@ -197,7 +191,7 @@ fn a_run_with_changing_walls_can_be_taken_back_and_split() {
         let (a, b) = (whole.exchange().expect("exchange"), split.exchange().expect("exchange"));
         assert!((a - b).abs() <= 1e-9 * a.abs());
     }
-    check(cpu(&problem), cpu(&problem), dt);
+    check(CpuBackend::of(&problem), CpuBackend::of(&problem), dt);
     check(gpu(&problem, Precision::F64), gpu(&problem, Precision::F64), dt);
 }
 
@@ -205,7 +199,7 @@ fn a_run_with_changing_walls_can_be_taken_back_and_split() {
 fn chunks_of_the_list_make_no_difference() {
     let problem = walled(KernelKind::WendlandC2, 3, WallKind::Convection, true);
     let whole = GpuOptions::new(Precision::F32);
-    let split = GpuOptions { list_chunk_bytes: Some(32 * 60 * 4), ..whole };
+    let split = GpuOptions { chunk_bytes: Some(32 * 60 * 4), ..whole };
     let after = |options| {
         let mut backend =
             GpuBackend::with_options(&problem, STEP, device(), options).expect("backend");
@@ -241,7 +235,7 @@ fn surfaces_agree_and_close_the_balance() {
         for precision in Precision::ALL {
             assert_eq!(rates_apart(&problem, &problem, precision, 0.02), 0, "{kind:?}");
         }
-        let mut here = cpu(&problem);
+        let mut here = CpuBackend::of(&problem);
         here.euler(0.0, STEP, STEPS).expect("steps");
         let field = here.read().expect("read");
         let gained = total(&problem, field.as_ref()) - total(&problem, &problem.initial);

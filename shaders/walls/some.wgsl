@@ -1,14 +1,5 @@
-// Some rows get a diagonal and a source from walls. They carry WALL_BIT in their length, and after
-// their last neighbour the list names their slot in `wall`: diagonal, flow, what entered, tick.
-
-fn has_wall(row: u32) -> bool {
-    return (row_length[row] & WALL_BIT) != 0u;
-}
-
-fn wall_slot(row: u32) -> u32 {
-    let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
-    return neighbor[first + list_length(row) * SLICE_ROWS];
-}
+// Some rows get a diagonal and a source from walls. They have a slot in `wall`: diagonal, flow, what
+// entered, tick. `has_wall` and `wall_slot` belong to the path.
 
 // What the rate of a row gets, whose own value is `own`.
 fn wall_rate(row: u32, own: real) -> real {

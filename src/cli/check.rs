@@ -10,7 +10,7 @@ use crate::case::Scene;
 use crate::model::integrator::Schedule;
 use crate::model::{Problem, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
-use crate::solver::{Machine, PathChoice, Plan};
+use crate::solver::{Machine, PathChoice};
 use crate::study::{self, Prepared};
 
 #[derive(Debug, Args)]
@@ -68,7 +68,7 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
                 plan.machine.precision().name()
             ),
         ),
-        ("path", path(plan)),
+        ("path", plan.path_in_words(problem)),
         ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
         ("duration", simulated_time(problem.time.end)),
         ("step", seconds(step.taken(problem))),
@@ -110,12 +110,6 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
         let _ = writeln!(text, "warning    {warning}");
     }
     text
-}
-
-/// The path, and why it is not the lattice.
-fn path(plan: &Plan) -> String {
-    let name = plan.path.name();
-    plan.why_no_lattice.map_or(name.to_owned(), |why| format!("{name}: {why}"))
 }
 
 /// The walls and surfaces of a scene in a line.

@@ -125,6 +125,7 @@ pub fn limit_sources(real: Real) -> [PassSource; 2] {
         constants: Vec::new(),
         bindings,
         slots: Vec::new(),
+        generated: String::new(),
     };
     let read = |name| Binding::new(name, Holds::Read(Element::Real4));
     let write = |name| Binding::new(name, Holds::Write(Element::Real4));

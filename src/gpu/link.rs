@@ -151,24 +151,27 @@ pub struct PassSource {
     pub bindings: Vec<Binding>,
     /// Slot files, relative to `shaders/` and without the ending.
     pub slots: Vec<String>,
+    /// Functions that follow from numbers of the scene, which come after the slots.
+    pub generated: String,
 }
 
 impl PassSource {
     /// The final source.
     pub fn link(&self) -> Result<String, GpuError> {
         let mut source = self.header();
-        let own = format!("pass/{}", self.pass);
-        let shared = std::iter::once("index".to_owned());
-        for stem in shared.chain(self.slots.iter().cloned()).chain([own]) {
-            let file = format!("{stem}.wgsl");
-            let text = SHADERS.get_file(&file).and_then(|f| f.contents_utf8());
-            let text = text.ok_or_else(|| GpuError::MissingShader {
-                pass: self.pass.to_owned(),
-                file: file.clone(),
-            })?;
-            source.push_str(text);
+        source.push_str(self.file("index")?);
+        for slot in &self.slots {
+            source.push_str(self.file(slot)?);
         }
+        source.push_str(&self.generated);
+        source.push_str(self.file(&format!("pass/{}", self.pass))?);
         Ok(source)
+    }
+
+    fn file(&self, stem: &str) -> Result<&'static str, GpuError> {
+        let file = format!("{stem}.wgsl");
+        let text = SHADERS.get_file(&file).and_then(|f| f.contents_utf8());
+        text.ok_or_else(|| GpuError::MissingShader { pass: self.pass.to_owned(), file })
     }
 
     fn header(&self) -> String {

@@ -70,6 +70,7 @@ pub fn scan_sources() -> [PassSource; 2] {
             Binding::new("sums", sums),
         ],
         slots: Vec::new(),
+        generated: String::new(),
     };
     [
         source("scan_block", Holds::Write(Element::U32)),

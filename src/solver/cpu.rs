@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Backend, SolverError};
 use crate::model::Problem;
-use crate::model::operator::rows::Rows;
+use crate::model::operator::rows::{Rows, assemble, cell_grid};
 use crate::model::sum::CompensatedSum;
 
 /// Values that one parallel task looks at.
@@ -44,6 +44,13 @@ pub struct CpuBackend {
 }
 
 impl CpuBackend {
+    /// Assembles the rows of `problem` and takes them.
+    pub fn of(problem: &Problem) -> Self {
+        let grid = cell_grid(problem);
+        let (_, rows) = assemble(problem, &grid);
+        Self::new(problem, grid.into_order(), rows)
+    }
+
     /// Takes the assembled rows of `problem`; `order` is the grid's.
     pub fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
         let particle_at = |rank: &u32| order[*rank as usize] as usize;
@@ -74,7 +81,6 @@ impl CpuBackend {
         self.update_source(time);
         if !self.held_volume.is_empty() {
             // What holding the values takes: the negative of what the held rows would gain.
-            // Neighbours that are held too cancel in the sum.
             let gains = self.rows.held_rates(&self.state).zip(&self.held_volume);
             let gained: f64 = gains.map(|(rate, volume)| volume * rate).sum();
             self.exchange.add(-dt * gained);

@@ -1,10 +1,12 @@
 //! What runs for a scene, and what is left out because the scene does not need it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{MachineKind, SolverError, gpu};
 use crate::model::Problem;
-use crate::model::lattice::LatticeScene;
+use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::WallNeeds;
 use crate::model::wall::WalledFace;
 
@@ -17,6 +19,8 @@ pub struct Plan {
     pub path: Path,
     /// Why it is not the lattice path, where that was looked for.
     pub why_no_lattice: Option<&'static str>,
+    /// Sites and stored rows of the mixed path.
+    pub mixed: Option<Mixed>,
     /// Whether the particles of a lattice are in another order than its sites.
     pub reorders: bool,
     /// What of the shaders and buffers the scene needs.
@@ -32,17 +36,28 @@ pub enum Path {
     List,
     /// By their place on a lattice that the particles fill: the sum is a stencil.
     Lattice,
+    /// By their place on a lattice where the sum is a stencil, from stored rows elsewhere.
+    Mixed,
+}
+
+/// Sizes of the mixed path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mixed {
+    /// Sites of the lattice, with a particle or without.
+    pub sites: u64,
+    /// Particles with rows of their own.
+    pub rows: u64,
 }
 
 /// Which path a user wants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathWish {
-    /// The lattice where the scene is one, else the list.
+    /// The fastest: the lattice where the scene is one, mixed where that pays, else the list.
     #[default]
     Auto,
     /// The list, whatever the scene.
     List,
-    /// The lattice or nothing.
+    /// The stencil wherever it holds, be it lattice or mixed, or nothing.
     Lattice,
 }
 
@@ -52,7 +67,9 @@ pub enum PathChoice {
     /// The list, and why not the lattice, where that was looked for.
     List(Option<&'static str>),
     /// The lattice.
-    Lattice(Box<LatticeScene>),
+    Lattice(Arc<LatticeScene>),
+    /// A stencil and rows, and why not the lattice alone.
+    Mixed(Arc<MixedScene>, &'static str),
 }
 
 impl PathChoice {
@@ -65,18 +82,39 @@ impl PathChoice {
         machine: MachineKind,
         wish: PathWish,
     ) -> Result<Self, SolverError> {
-        let scene = match (wish, machine) {
+        let found = match (wish, machine) {
             (PathWish::List, _) => return Ok(Self::List(None)),
-            (_, MachineKind::Gpu(_)) => Err("the GPU has the list path alone"),
-            (_, MachineKind::Cpu) => LatticeScene::of(problem),
+            (_, machine) => match (LatticeScene::of(problem), machine) {
+                (Ok(scene), _) => Ok(Self::Lattice(Arc::new(scene))),
+                (Err(why), MachineKind::Cpu) => Self::mixed(problem, wish, why),
+                (Err(why), MachineKind::Gpu(_)) => Err(why),
+            },
         };
-        match (scene, wish) {
-            (Ok(scene), _) => Ok(Self::Lattice(Box::new(scene))),
+        match (found, wish) {
+            (Ok(choice), _) => Ok(choice),
             (Err(why), PathWish::Lattice) => Err(SolverError::NoLattice { why }),
             (Err(why), _) => Ok(Self::List(Some(why))),
         }
     }
+
+    /// The mixed path, if it can be had, and pays or is wished for; `why` not the lattice alone.
+    fn mixed(problem: &Problem, wish: PathWish, why: &'static str) -> Result<Self, &'static str> {
+        let scene = MixedScene::of(problem)?;
+        if wish == PathWish::Lattice || pays(&scene, problem.particles.len()) {
+            return Ok(Self::Mixed(Arc::new(scene), why));
+        }
+        Err("too few particles have the lattice's stencil")
+    }
 }
+
+/// Whether a step of the mixed path is expected to be faster than one of the list.
+fn pays(scene: &MixedScene, particles: usize) -> bool {
+    let rows = scene.rows() as f64 / particles as f64;
+    STENCIL_COST / scene.filled() + rows < 0.9
+}
+
+/// What a site costs by the stencil, over a row of the list.
+const STENCIL_COST: f64 = 0.2;
 
 impl Path {
     /// The name in flags and reports.
@@ -84,6 +122,7 @@ impl Path {
         match self {
             Self::List => "list",
             Self::Lattice => "lattice",
+            Self::Mixed => "mixed",
         }
     }
 }
@@ -126,7 +165,7 @@ pub struct LeftOut {
     /// What.
     pub what: &'static str,
     /// Why the scene does not need it.
-    pub why: &'static str,
+    pub why: String,
     /// Bytes that are not allocated.
     pub bytes_saved: u64,
 }
@@ -139,15 +178,35 @@ impl Plan {
         let (path, why_no_lattice, reorders) = match choice {
             PathChoice::List(why) => (Path::List, *why, false),
             PathChoice::Lattice(scene) => (Path::Lattice, None, scene.order.is_some()),
+            PathChoice::Mixed(scene, why) => {
+                (Path::Mixed, Some(*why), scene.lattice.order.is_some())
+            }
         };
-        let left_out = left_out(problem, machine, needs, path, entries);
-        Self { machine, path, why_no_lattice, reorders, needs, left_out }
+        let mixed = match choice {
+            PathChoice::Mixed(scene, _) => {
+                let sites = scene.lattice.counts.iter().product::<usize>() as u64;
+                Some(Mixed { sites, rows: scene.rows() as u64 })
+            }
+            _ => None,
+        };
+        let left_out = Vec::new();
+        let plan = Self { machine, path, why_no_lattice, mixed, reorders, needs, left_out };
+        Self { left_out: plan.left_out(problem, entries), ..plan }
+    }
+
+    /// Bytes of the rows of the mixed path, about: with the mean number of neighbours.
+    fn bytes_of_rows(&self, problem: &Problem, entries: u64) -> u64 {
+        let rows = self.mixed.map_or(0, |mixed| mixed.rows);
+        let real = self.machine.precision().bytes();
+        // Start, rank, row of walls and visit of each row.
+        rows * entries / (problem.particles.len() as u64).max(1) * (4 + real) + rows * 20
     }
 
     /// The passes of a run, in order.
     pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
         let mut passes = match (self.path, self.machine) {
             (Path::Lattice, _) => vec!["stencil"],
+            (Path::Mixed, _) => vec!["stencil", "rows"],
             (Path::List, MachineKind::Cpu) => vec!["sort", "survey", "rows"],
             (Path::List, MachineKind::Gpu(_)) => gpu::passes::SETUP.to_vec(),
         };
@@ -169,7 +228,10 @@ impl Plan {
     /// The passes of a step, in order.
     fn step_passes(&self) -> Vec<&'static str> {
         if self.machine != MachineKind::Cpu {
-            return gpu::passes::STEP.to_vec();
+            return match self.path {
+                Path::List | Path::Mixed => gpu::passes::STEP.to_vec(),
+                Path::Lattice => gpu::lattice::step_passes(self.needs),
+            };
         }
         let mut passes = Vec::new();
         if self.needs.walls == WallNeeds::Changing {
@@ -190,54 +252,86 @@ impl Plan {
         match self.path {
             // Two states and the saved one; order and start, or length, of each row.
             Path::List => entries * (4 + real) + particles * (3 * real + 8),
-            Path::Lattice => particles * (3 * real + if self.reorders { 4 } else { 0 }),
+            Path::Lattice | Path::Mixed => {
+                let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
+                let by_site = 3 * real + if self.reorders { 4 } else { 0 };
+                sites * by_site + self.bytes_of_rows(problem, entries)
+            }
         }
+    }
+
+    /// What a run does without.
+    fn left_out(&self, problem: &Problem, entries: u64) -> Vec<LeftOut> {
+        let Self { machine, path, needs, .. } = *self;
+        let particles = problem.particles.len() as u64;
+        let real = machine.precision().bytes();
+        let mut list = Vec::new();
+        let mut leave = |what, why: &str, bytes_saved| {
+            list.push(LeftOut { what, why: why.to_owned(), bytes_saved });
+        };
+        let of_list = entries * (4 + real) + particles * 8;
+        match path {
+            Path::Lattice => {
+                let why = "the particles fill a lattice: the sum over neighbours is one stencil";
+                leave("neighbour list and weights", why, of_list);
+                // Walls that act are folded by a walk over cells.
+                if needs.walls < WallNeeds::Steady {
+                    leave("sorting into cells", why, particles * 4);
+                }
+            }
+            Path::Mixed => {
+                let share = percent(self.rows_share(problem));
+                let why = format!("a stencil holds but for {share} of the particles");
+                let saved = of_list.saturating_sub(self.bytes_of_rows(problem, entries));
+                leave("neighbour list and weights", &why, saved);
+                let why = "the particles are on a lattice: neighbours are known by their place";
+                leave("sorting into cells", why, particles * 4);
+            }
+            Path::List => leave_of_list(problem, machine, needs, &mut leave),
+        }
+        leave_walls(problem, needs.walls, &mut leave);
+        if !needs.held {
+            // The rows of the CPU path would keep the starts of a second set, the GPU an accumulator.
+            let bytes = match (path, machine) {
+                (Path::Lattice | Path::Mixed, _) => 0,
+                (Path::List, MachineKind::Cpu) => particles * 8,
+                (Path::List, MachineKind::Gpu(_)) => particles * real,
+            };
+            leave("exchange of held particles", "no particle is held", bytes);
+        }
+        if problem.time.end == 0.0 {
+            leave("time steps", "the simulated time is 0", 0);
+        }
+        list
+    }
+
+    /// The share of the particles that have rows of their own on the mixed path.
+    fn rows_share(&self, problem: &Problem) -> f64 {
+        self.mixed.map_or(0.0, |mixed| mixed.rows as f64 / problem.particles.len() as f64)
+    }
+
+    /// The path in words, with why it is not the lattice.
+    pub fn path_in_words(&self, problem: &Problem) -> String {
+        let name = match self.path {
+            Path::Mixed => {
+                let share = percent(self.rows_share(problem));
+                format!("{}, rows for {share} of the particles", self.path.name())
+            }
+            path => path.name().to_owned(),
+        };
+        self.why_no_lattice.map_or(name.clone(), |why| format!("{name}: {why}"))
     }
 }
 
-/// What a run does without.
-fn left_out(
-    problem: &Problem,
-    machine: MachineKind,
-    needs: Needs,
-    path: Path,
-    entries: u64,
-) -> Vec<LeftOut> {
-    let particles = problem.particles.len() as u64;
-    let real = machine.precision().bytes();
-    let mut list = Vec::new();
-    let mut leave = |what, why, bytes_saved| list.push(LeftOut { what, why, bytes_saved });
-    if path == Path::Lattice {
-        let why = "the particles fill a lattice: the sum over neighbours is one stencil";
-        leave("neighbour list and weights", why, entries * (4 + real) + particles * 8);
-        // Walls that act are folded by a walk over cells.
-        if needs.walls < WallNeeds::Steady {
-            leave("sorting into cells", why, particles * 4);
-        }
-    } else {
-        leave_of_list(problem, machine, needs, &mut leave);
-    }
-    leave_walls(problem, needs.walls, &mut leave);
-    if !needs.held {
-        // The rows of the CPU path would keep the starts of a second set, the GPU an accumulator.
-        let bytes = match (path, machine) {
-            (Path::Lattice, _) => 0,
-            (Path::List, MachineKind::Cpu) => particles * 8,
-            (Path::List, MachineKind::Gpu(_)) => particles * real,
-        };
-        leave("exchange of held particles", "no particle is held", bytes);
-    }
-    if problem.time.end == 0.0 {
-        leave("time steps", "the simulated time is 0", 0);
-    }
-    list
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }
 
 fn leave_of_list(
     problem: &Problem,
     machine: MachineKind,
     needs: Needs,
-    leave: &mut impl FnMut(&'static str, &'static str, u64),
+    leave: &mut impl FnMut(&'static str, &str, u64),
 ) {
     if machine != MachineKind::Cpu && !needs.coefficients {
         let why = "all particles share one volume and one diffusivity";
@@ -259,7 +353,7 @@ const PARTICLE_BYTES: u64 = 42;
 fn leave_walls(
     problem: &Problem,
     walls: WallNeeds,
-    leave: &mut impl FnMut(&'static str, &'static str, u64),
+    leave: &mut impl FnMut(&'static str, &str, u64),
 ) {
     match walls {
         WallNeeds::None => return leave("wall fold", "no face has a wall with ghosts", 0),

@@ -1,6 +1,7 @@
 //! One run of a scene: set-up, solution, output and report.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -9,9 +10,9 @@ use super::recorder::Recorder;
 use crate::case::Scene;
 use crate::model::Problem;
 use crate::model::integrator::Schedule;
-use crate::model::lattice::LatticeScene;
+use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
-use crate::model::operator::{WallNeeds, WallRows};
+use crate::model::operator::{SomeRows, WallNeeds, WallRows};
 use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
@@ -19,7 +20,7 @@ use crate::report::run::{
 };
 use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
 use crate::solver::cpu::CpuBackend;
-use crate::solver::gpu::GpuBackend;
+use crate::solver::gpu::{GpuBackend, GpuOptions};
 use crate::solver::lattice::LatticeBackend;
 use crate::solver::{
     Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Progress, SolverError, Step,
@@ -141,6 +142,11 @@ pub fn start<D: Driver>(
     let keep_rows = matches!(machine, Machine::Cpu);
     let (prepared, operator) = prepare(problem, machine.kind(), choice, allow_unstable, keep_rows)?;
     Ok(match (machine, operator) {
+        (Machine::Gpu { device, precision }, Some(Operator::Lattice { scene: lattice, walls })) => {
+            let (options, dt) = (GpuOptions::new(*precision), prepared.step.dt);
+            let backend = GpuBackend::lattice(problem, &lattice, walls, dt, device, options)?;
+            driver.drive(prepared, backend)
+        }
         (Machine::Gpu { device, precision }, _) => {
             let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
             driver.drive(prepared, backend)
@@ -149,7 +155,10 @@ pub fn start<D: Driver>(
             driver.drive(prepared, CpuBackend::new(problem, order, rows))
         }
         (Machine::Cpu, Some(Operator::Lattice { scene: lattice, walls })) => {
-            driver.drive(prepared, LatticeBackend::new(problem, *lattice, walls))
+            driver.drive(prepared, LatticeBackend::new(problem, lattice, walls))
+        }
+        (Machine::Cpu, Some(Operator::Mixed { scene: mixed, rows })) => {
+            driver.drive(prepared, LatticeBackend::mixed(problem, mixed, rows))
         }
         (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
     })
@@ -179,14 +188,21 @@ pub enum Operator {
     /// A stencil.
     Lattice {
         /// The lattice.
-        scene: Box<LatticeScene>,
+        scene: Arc<LatticeScene>,
         /// What walls add to it, by site.
         walls: WallRows,
+    },
+    /// A stencil and rows.
+    Mixed {
+        /// The lattice.
+        scene: Arc<MixedScene>,
+        /// The rows, by site.
+        rows: SomeRows,
     },
 }
 
 /// Surveys the pairs of `problem`, chooses its step and plans its run on the path of `choice`; with
-/// `keep`, the operator as well.
+/// `keep`, its rows as well. A stencil takes no room, and always comes with it.
 ///
 /// # Errors
 /// A step above the stability limit; coincident particles where the kernel has no weight for them;
@@ -198,22 +214,28 @@ pub fn prepare(
     allow_unstable: bool,
     keep: bool,
 ) -> Result<(Prepared, Option<Operator>), SolverError> {
-    match &choice {
-        PathChoice::List(_) => prepare_list(problem, machine, &choice, allow_unstable, keep),
+    let (survey, operator) = match &choice {
+        PathChoice::List(_) => {
+            return prepare_list(problem, machine, &choice, allow_unstable, keep);
+        }
         PathChoice::Lattice(scene) => {
             let (walls, is_skew) = lattice_walls(problem, scene)?;
             let survey = Survey { symmetric: !is_skew, ..scene.survey(problem) };
-            // A measurement of the limit, for a given step above the safe bound, takes the rows.
-            let step = choose_step(problem, &survey, allow_unstable, || {
-                let grid = cell_grid(problem);
-                measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
-            })?;
-            let plan = Plan::new(problem, machine, &choice, survey.entries);
-            let PathChoice::Lattice(scene) = choice else { unreachable!("it has been one above") };
-            let operator = keep.then_some(Operator::Lattice { scene, walls });
-            Ok((Prepared { survey, step, plan }, operator))
+            (survey, Operator::Lattice { scene: Arc::clone(scene), walls })
         }
-    }
+        PathChoice::Mixed(scene, _) => {
+            let (survey, rows) = scene.assemble(problem);
+            SolverError::check_walls(problem, &survey)?;
+            (survey, Operator::Mixed { scene: Arc::clone(scene), rows })
+        }
+    };
+    // A measurement of the limit, for a given step above the safe bound, takes the rows.
+    let step = choose_step(problem, &survey, allow_unstable, || {
+        let grid = cell_grid(problem);
+        measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
+    })?;
+    let plan = Plan::new(problem, machine, &choice, survey.entries);
+    Ok((Prepared { survey, step, plan }, Some(operator)))
 }
 
 /// What walls add to a lattice beyond its stencil, by site, and whether they leave the matrix
@@ -234,10 +256,7 @@ pub fn lattice_walls(
         return Err(SolverError::of_fault(problem, fault));
     }
     let sites = scene.sites();
-    let rows = fold.rows.renumbered(|rank| {
-        let particle = grid.order()[rank as usize];
-        sites.as_ref().map_or(particle, |sites| sites[particle as usize])
-    });
+    let rows = fold.rows.renumbered(|rank| sites(grid.order()[rank as usize]));
     Ok((rows, fold.is_skew))
 }
 
@@ -396,7 +415,7 @@ fn report(
             .iter()
             .map(|left| LeftOut {
                 what: left.what.to_owned(),
-                why: left.why.to_owned(),
+                why: left.why.clone(),
                 bytes_saved: left.bytes_saved,
             })
             .collect(),

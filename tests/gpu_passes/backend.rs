@@ -98,7 +98,7 @@ fn runs_repeat_bit_for_bit_and_do_not_depend_on_chunks_or_workgroups() {
         let options = GpuOptions::new(precision);
         let field = after(&problem, options, 50);
         assert_eq!(field, after(&problem, options, 50));
-        let split = GpuOptions { list_chunk_bytes: Some(32 * 50 * 8), ..options };
+        let split = GpuOptions { chunk_bytes: Some(32 * 50 * 8), ..options };
         let chunked = GpuBackend::with_options(&problem, STEP, device(), split).expect("backend");
         assert!(chunked.chunk_count() > 10);
         assert_eq!(field, after(&problem, split, 50));
@@ -113,7 +113,7 @@ fn runs_repeat_bit_for_bit_and_do_not_depend_on_chunks_or_workgroups() {
 #[test]
 fn a_slice_that_no_binding_holds_is_an_error_with_its_size() {
     let problem = random_lattice(KernelKind::WendlandC2, 3, 6);
-    let options = GpuOptions { list_chunk_bytes: Some(128), ..GpuOptions::new(Precision::F32) };
+    let options = GpuOptions { chunk_bytes: Some(128), ..GpuOptions::new(Precision::F32) };
     let error = GpuBackend::with_options(&problem, STEP, device(), options).expect_err("too large");
     assert!(error.to_string().contains("takes 128 in one piece"), "{error}");
 }

@@ -129,7 +129,7 @@ fn order_and_cell_starts_equal_a_plain_sort() {
         let grid = grid_of(&problem);
         let backend = GpuBackend::new(&problem, 1.0, device(), Precision::F32).expect("backend");
         let positions = &problem.particles.position;
-        let choices = backend.choices();
+        let choices = backend.choices().expect("a list");
         let sorted = Sorted::new(device(), choices, &grid, positions, 1.0, 1.0).expect("sorted");
         let (order, starts) = expected_order(&grid, positions);
         let cell_starts = sorted.cell_starts(device()).expect("cell starts");
@@ -180,7 +180,8 @@ fn checks_notice_one_moved_particle() {
     let backend = GpuBackend::new(&problem, 1.0, device(), Precision::F32).expect("backend");
     let positions = &problem.particles.position;
     let sorted =
-        Sorted::new(device(), backend.choices(), &grid, positions, 1.0, 1.0).expect("sorted");
+        Sorted::new(device(), backend.choices().expect("a list"), &grid, positions, 1.0, 1.0)
+            .expect("sorted");
     let cell_starts = sorted.cell_starts(device()).expect("cell starts");
     assert!(first_difference(sorted.order(), &order).is_some());
     assert!(first_difference(&cell_starts, &starts).is_some());

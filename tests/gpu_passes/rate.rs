@@ -8,7 +8,7 @@ use crate::support::{brute_force, device, random_lattice};
 fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {
     let mut backend = GpuBackend::new(on_device, 1e-3, device(), precision).expect("backend");
     let rate = backend.rate(0.0).expect("rate");
-    let epsilon = backend.choices().real().epsilon();
+    let epsilon = backend.choices().expect("a list").real().epsilon();
     let expected = brute_force(expected, epsilon);
     assert_eq!(rate.as_ref().len(), expected.len());
     let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| {
@@ -42,7 +42,7 @@ fn uniform_scenes_take_the_shorter_path_to_the_same_rates() {
         problem.particles.material.fill(0);
         problem.particles.volume.fill(1e-18);
         let backend = GpuBackend::new(&problem, 1e-3, device(), precision).expect("backend");
-        assert!(backend.choices().uniform);
+        assert!(backend.choices().expect("a list").uniform);
         assert_eq!(wrong_rates(&problem, &problem, precision), 0);
     }
 }

@@ -31,18 +31,17 @@ pub struct Site {
 }
 
 impl Edge {
-    /// What is at `place` along an axis of `count` particles; nothing past a free end. A place lies
-    /// at most `count` past either end.
+    /// What is at `place` along an axis of `count` particles; nothing past a free end, nor past the
+    /// image of the other end.
     pub fn at(&self, place: isize, count: usize) -> Option<Site> {
         let whole = count as isize;
-        debug_assert!((-whole..2 * whole).contains(&place), "at most `count` past either end");
         let particle = |index: isize| Site { index: index as usize, factor: 1.0, is_ghost: false };
         let ghost = |end: &End, layer: isize, index: isize| match end {
-            End::Free => None,
-            End::Mirror(factors) => {
+            End::Mirror(factors) if layer < whole => {
                 let factor = factors[layer as usize];
                 Some(Site { index: index as usize, factor, is_ghost: true })
             }
+            End::Free | End::Mirror(_) => None,
         };
         match self {
             _ if (0..whole).contains(&place) => Some(particle(place)),

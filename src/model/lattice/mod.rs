@@ -1,13 +1,16 @@
 //! Sums over the infinite lattice, and scenes whose particles fill one.
 
 mod edge;
+mod mixed;
+mod regular;
 mod scene;
 mod survey;
 
 use glam::DVec3;
 
 pub use edge::{Edge, End, Site};
-pub use scene::{LatticeScene, LineClass};
+pub use mixed::MixedScene;
+pub use scene::{ABSENT, LatticeScene, LineClass};
 
 use super::Kernel;
 

@@ -10,11 +10,11 @@ use crate::model::{Face, Problem, WallKind};
 
 /// A particle this close to its site (in spacings) is on it: far from the origin, positions are
 /// rounded more.
-const ON_SITE: f64 = 1e-6;
+pub(super) const ON_SITE: f64 = 1e-6;
 
 /// The same where walls act: what they add is computed from the positions themselves, and has to
 /// cancel with the stencil's.
-const ON_SITE_BY_WALLS: f64 = 1e-9;
+pub(super) const ON_SITE_BY_WALLS: f64 = 1e-9;
 
 /// Relative error of a count of spacings.
 const WHOLE: f64 = 1e-9;
@@ -23,12 +23,18 @@ const WHOLE: f64 = 1e-9;
 /// a list.
 const WIDEST: usize = 4;
 
-/// A full lattice of one material: counts, order, edges and stencil.
+/// A site without a particle, in [`LatticeScene::order`].
+pub const ABSENT: u32 = u32::MAX;
+
+/// A lattice of one material: counts, order, edges and stencil.
 #[derive(Clone, Debug)]
 pub struct LatticeScene {
+    /// 1, 2 or 3.
+    pub dimension: usize,
     /// Particles along each axis; 1 along axes past the dimension.
     pub counts: [usize; 3],
-    /// The particle at each site, x fastest; `None` where that is the order of the particles.
+    /// The particle at each site, x fastest, or [`ABSENT`]; `None` where that is the order of the
+    /// particles.
     pub order: Option<Vec<u32>>,
     /// What lies past the ends of each axis.
     pub edges: [Edge; 3],
@@ -53,49 +59,65 @@ impl LatticeScene {
     /// # Errors
     /// Why it is none, in words.
     pub fn of(problem: &Problem) -> Result<Self, &'static str> {
-        let counts = counts(problem)?;
-        check_uniform(problem)?;
-        let order = order(problem, counts)?;
-        let weight = PairWeight::new(problem);
-        let (reach, classes) = stencil(problem, &weight);
-        if reach > WIDEST {
-            return Err("the support reaches past four spacings");
+        let counts = counts(problem, |_| true)?;
+        if problem.particles.len() != sites_of(counts) {
+            return Err("the particles do not fill the box around them");
         }
+        check_volume(problem)?;
+        check_material(problem)?;
+        if !problem.surfaces.is_empty() {
+            return Err("a surface that is no face of the domain acts on it");
+        }
+        let allowed = match WallNeeds::of(problem) {
+            WallNeeds::None | WallNeeds::Insulated => ON_SITE,
+            WallNeeds::Steady | WallNeeds::Changing => ON_SITE_BY_WALLS,
+        };
+        let order = order(problem, counts, allowed)?;
+        let weight = PairWeight::new(problem);
+        let (reach, classes) = stencil(problem, &weight, 0)?;
         let edges = edges(problem, &weight, reach)?;
-        Ok(Self { counts, order, edges, reach, classes })
+        Ok(Self { dimension: problem.dimension, counts, order, edges, reach, classes })
     }
 
-    /// How many particles there are.
-    pub fn len(&self) -> usize {
-        self.counts.iter().product()
+    /// The site of each particle, as a function.
+    pub fn sites(&self) -> impl Fn(u32) -> u32 + use<> {
+        let sites = self.order.as_ref().map(|order| {
+            let mut sites = vec![0; present(order).count()];
+            for (site, particle) in present(order) {
+                sites[particle] = site as u32;
+            }
+            sites
+        });
+        move |particle| sites.as_ref().map_or(particle, |sites| sites[particle as usize])
     }
 
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// The place of a site along each axis.
+    pub(super) fn at(&self, site: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.counts;
+        [site % nx, site / nx % ny, site / (nx * ny)]
     }
 
-    /// The particle at a site.
+    /// The particle at a site that has one.
     pub fn particle(&self, site: usize) -> usize {
         self.order.as_ref().map_or(site, |order| order[site] as usize)
     }
 
-    /// The site of each particle; `None` where the two are the same.
-    pub fn sites(&self) -> Option<Vec<u32>> {
-        let order = self.order.as_ref()?;
-        let mut sites = vec![0; order.len()];
-        for (site, &particle) in (0..).zip(order) {
-            sites[particle as usize] = site;
-        }
-        Some(sites)
+    /// The sites of particles `held`, ascending.
+    pub fn held_sites(&self, held: &[u32]) -> Vec<u32> {
+        let site = self.sites();
+        let mut sites: Vec<u32> = held.iter().map(|&particle| site(particle)).collect();
+        sites.sort_unstable();
+        sites
     }
 
-    /// A field from the problem's order to that of the sites.
+    /// A field from the problem's order to that of the sites; 0 where there is no particle.
     pub fn by_site(&self, values: &[f64]) -> Vec<f64> {
-        match &self.order {
-            None => values.to_vec(),
-            Some(order) => order.iter().map(|&particle| values[particle as usize]).collect(),
-        }
+        let Some(order) = &self.order else {
+            return values.to_vec();
+        };
+        let mut out = vec![0.0; order.len()];
+        present(order).for_each(|(site, particle)| out[site] = values[particle]);
+        out
     }
 
     /// A field from the order of the sites to the problem's.
@@ -103,39 +125,57 @@ impl LatticeScene {
         let Some(order) = &self.order else {
             return values.to_vec();
         };
-        let mut out = vec![0.0; values.len()];
-        for (&particle, value) in order.iter().zip(values) {
-            out[particle as usize] = *value;
-        }
+        let mut out = vec![0.0; present(order).count()];
+        present(order).for_each(|(site, particle)| out[particle] = values[site]);
         out
     }
 }
 
-/// Particles along each axis, if the domain is a whole number of them and they fill it.
-fn counts(problem: &Problem) -> Result<[usize; 3], &'static str> {
+/// The sites with a particle, and these.
+fn present(order: &[u32]) -> impl Iterator<Item = (usize, usize)> {
+    let site = |(site, &particle): (usize, &u32)| (site, particle as usize);
+    order.iter().enumerate().filter(|(_, particle)| **particle != ABSENT).map(site)
+}
+
+/// How many sites there are.
+pub(super) fn sites_of(counts: [usize; 3]) -> usize {
+    counts.iter().fold(1, |n, &count| n.saturating_mul(count))
+}
+
+/// Sites along each axis, if the domain is a whole number of spacings along those that `is_whole`
+/// names.
+pub(super) fn counts(
+    problem: &Problem,
+    is_whole: impl Fn(usize) -> bool,
+) -> Result<[usize; 3], &'static str> {
     let extent = problem.domain.extent();
     let mut counts = [1; 3];
     for axis in 0..problem.dimension {
         let count = extent[axis] / problem.spacing;
-        if (count - count.round()).abs() > WHOLE * count || count < 0.5 {
+        if is_whole(axis) && !whole(count) || count < 0.5 {
             return Err("the domain is no whole number of spacings");
         }
-        counts[axis] = count.round() as usize;
-    }
-    let sites = counts.iter().fold(1_usize, |n, &count| n.saturating_mul(count));
-    if sites != problem.particles.len() {
-        return Err("the particles do not fill the box around them");
+        counts[axis] = (count + 0.5 + WHOLE * count) as usize;
     }
     Ok(counts)
 }
 
-/// One volume, one diffusivity and one density.
-fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
-    let particles = &problem.particles;
+/// Whether an axis is a whole number of spacings.
+pub(super) fn whole(count: f64) -> bool {
+    (count - count.round()).abs() <= WHOLE * count
+}
+
+/// One volume, that of a site.
+pub(super) fn check_volume(problem: &Problem) -> Result<(), &'static str> {
     let volume = problem.spacing.powi(problem.dimension as i32);
-    if !particles.volume.par_iter().all(|v| (v / volume - 1.0).abs() < 1e-12) {
-        return Err("particles differ in volume");
-    }
+    let is_site = |v: &f64| (v / volume - 1.0).abs() < 1e-12;
+    let same = problem.particles.volume.par_iter().all(is_site);
+    if same { Ok(()) } else { Err("particles differ in volume") }
+}
+
+/// One diffusivity and one density.
+fn check_material(problem: &Problem) -> Result<(), &'static str> {
+    let particles = &problem.particles;
     let properties = |&m: &u16| {
         let material = &problem.materials[usize::from(m)];
         (material.diffusivity, material.density)
@@ -144,18 +184,15 @@ fn check_uniform(problem: &Problem) -> Result<(), &'static str> {
     if !particles.material.par_iter().all(|m| Some(properties(m)) == first) {
         return Err("particles differ in diffusivity or density");
     }
-    if !problem.surfaces.is_empty() {
-        return Err("a surface that is no face of the domain acts on it");
-    }
     Ok(())
 }
 
-/// The particle at each site.
-fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'static str> {
-    let allowed = match WallNeeds::of(problem) {
-        WallNeeds::None | WallNeeds::Insulated => ON_SITE,
-        WallNeeds::Steady | WallNeeds::Changing => ON_SITE_BY_WALLS,
-    };
+/// The particle at each site, if all are within `allowed` spacings of theirs.
+pub(super) fn order(
+    problem: &Problem,
+    counts: [usize; 3],
+    allowed: f64,
+) -> Result<Option<Vec<u32>>, &'static str> {
     let site = |x: &DVec3| -> Option<usize> {
         let mut index = 0;
         for axis in (0..3).rev() {
@@ -173,13 +210,14 @@ fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'st
     };
     let off = "a particle is not on its site of the lattice";
     let position = &problem.particles.position;
-    if position.par_iter().enumerate().all(|(particle, x)| site(x) == Some(particle)) {
+    let in_order = || position.par_iter().enumerate().all(|(k, x)| site(x) == Some(k));
+    if position.len() == sites_of(counts) && in_order() {
         return Ok(None);
     }
-    let mut order = vec![u32::MAX; position.len()];
+    let mut order = vec![ABSENT; sites_of(counts)];
     for (particle, x) in (0..).zip(position) {
         let place = &mut order[site(x).ok_or(off)?];
-        if *place != u32::MAX {
+        if *place != ABSENT {
             return Err("two particles are on one site of the lattice");
         }
         *place = particle;
@@ -187,13 +225,18 @@ fn order(problem: &Problem, counts: [usize; 3]) -> Result<Option<Vec<u32>>, &'st
     Ok(Some(order))
 }
 
-/// The reach of the stencil in sites, and its lines. Lines at one distance share their weights.
-fn stencil(problem: &Problem, weight: &PairWeight<'_>) -> (usize, Vec<LineClass>) {
+/// The reach of the stencil around particle `a` in sites, and its lines. Lines at one distance share
+/// their weights.
+pub(super) fn stencil(
+    problem: &Problem,
+    weight: &PairWeight<'_>,
+    a: usize,
+) -> Result<(usize, Vec<LineClass>), &'static str> {
     let mut entries: Vec<([isize; 3], f64)> = Vec::new();
     for_each_neighbor(&problem.kernel, problem.spacing, |offset| {
         let steps = (offset / problem.spacing).to_array().map(|x| x.round() as isize);
         if steps[0] >= 0 {
-            entries.push((steps, weight.of(0, 0, offset.length())));
+            entries.push((steps, weight.of(a, a, offset.length())));
         }
     });
     let distance = |[_, y, z]: [isize; 3]| y * y + z * z;
@@ -215,7 +258,10 @@ fn stencil(problem: &Problem, weight: &PairWeight<'_>) -> (usize, Vec<LineClass>
     };
     let classes: Vec<LineClass> = distances.iter().map(class).collect();
     let reach = entries.iter().flat_map(|(steps, _)| steps.map(isize::unsigned_abs)).max();
-    (reach.unwrap_or(0), classes)
+    match reach.unwrap_or(0) {
+        reach if reach > WIDEST => Err("the support reaches past four spacings"),
+        reach => Ok((reach, classes)),
+    }
 }
 
 /// What lies past the ends of each axis.
@@ -224,26 +270,7 @@ fn edges(
     weight: &PairWeight<'_>,
     reach: usize,
 ) -> Result<[Edge; 3], &'static str> {
-    let walled = WalledFace::all(&problem.walls, problem.dimension);
-    let end = |face: Face| -> Result<End, &'static str> {
-        let Some(walls) = walled.iter().find(|walled| walled.face() == face) else {
-            return Ok(End::Free);
-        };
-        let Some(wall) = walls.only() else {
-            return Err("a face has walls of several kinds, or on a part of it");
-        };
-        let condition = &wall.condition;
-        if condition.coefficient.depends_on_position() {
-            return Err("the coefficient of a convection wall depends on position");
-        }
-        let at = face.foot(&problem.domain, problem.domain.min);
-        let factor = |layer: usize| {
-            let distance = (layer as f64 + 0.5) * problem.spacing;
-            condition.mirror(weight.conductivity(0, 0), distance, at).map(|mirror| mirror.scale)
-        };
-        let factors: Option<Vec<f64>> = (0..reach).map(factor).collect();
-        Ok(factors.map_or(End::Free, End::Mirror))
-    };
+    let end = |face| end(problem, weight, face, reach);
     let mut edges = [const { Edge::Periodic }; 3];
     for (axis, edge) in edges.iter_mut().enumerate().take(problem.dimension) {
         if !problem.domain.periodic[axis] {
@@ -257,4 +284,31 @@ fn edges(
         return Err("a convection wall meets a free face");
     }
     Ok(edges)
+}
+
+/// What lies past a face.
+pub(super) fn end(
+    problem: &Problem,
+    weight: &PairWeight<'_>,
+    face: Face,
+    reach: usize,
+) -> Result<End, &'static str> {
+    let walled = WalledFace::all(&problem.walls, problem.dimension);
+    let Some(walls) = walled.iter().find(|walled| walled.face() == face) else {
+        return Ok(End::Free);
+    };
+    let Some(wall) = walls.only() else {
+        return Err("a face has walls of several kinds, or on a part of it");
+    };
+    let condition = &wall.condition;
+    if condition.coefficient.depends_on_position() {
+        return Err("the coefficient of a convection wall depends on position");
+    }
+    let at = face.foot(&problem.domain, problem.domain.min);
+    let factor = |layer: usize| {
+        let distance = (layer as f64 + 0.5) * problem.spacing;
+        condition.mirror(weight.conductivity(0, 0), distance, at).map(|mirror| mirror.scale)
+    };
+    let factors: Option<Vec<f64>> = (0..reach).map(factor).collect();
+    Ok(factors.map_or(End::Free, End::Mirror))
 }

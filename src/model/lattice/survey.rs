@@ -14,6 +14,21 @@ struct Place {
     count: usize,
 }
 
+/// Particles that find the same around them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alike {
+    /// One of them.
+    pub(super) at: [usize; 3],
+    /// How many they are.
+    pub(super) count: usize,
+    /// Whether any is not held.
+    pub(super) free: bool,
+    /// Mass of each, kg.
+    pub(super) mass: f64,
+    /// Their diffusivity over that of the stencil.
+    pub(super) ratio: f64,
+}
+
 impl LatticeScene {
     /// The survey of `problem`, whose lattice this is: that of [`crate::model::operator::rows`],
     /// from one particle of each kind of place. Whether walls leave the matrix symmetric is for
@@ -24,20 +39,21 @@ impl LatticeScene {
         let kind = |[x, y, z]: [usize; 3]| (z * places[1].len() + y) * places[0].len() + x;
         let sites = self.sites();
         for &particle in &problem.held {
-            let site = sites.as_ref().map_or(particle, |sites| sites[particle as usize]) as usize;
-            let [nx, ny, _] = self.counts;
-            let at = [site % nx, site / nx % ny, site / (nx * ny)];
+            let site = sites(particle) as usize;
+            let at = self.at(site);
             let of = |axis: usize| self.kind_of_place(axis, at[axis]);
             held[kind([of(0), of(1), of(2)])] += 1;
         }
         let mut survey = Survey::EMPTY;
+        let mass = problem.mass(0);
         for (z, place_z) in places[2].iter().enumerate() {
             for (y, place_y) in places[1].iter().enumerate() {
                 for (x, place_x) in places[0].iter().enumerate() {
                     let count = place_x.count * place_y.count * place_z.count;
                     let at = [place_x.at, place_y.at, place_z.at];
-                    let free = count - held[kind([x, y, z])];
-                    self.note(problem, at, count, free > 0, &mut survey);
+                    let free = count > held[kind([x, y, z])];
+                    let alike = Alike { at, count, free, mass, ratio: 1.0 };
+                    self.note(problem, &alike, &mut survey);
                 }
             }
         }
@@ -56,7 +72,7 @@ impl LatticeScene {
     }
 
     /// Which of [`LatticeScene::places`] stands for `at`.
-    fn kind_of_place(&self, axis: usize, at: usize) -> usize {
+    pub(super) fn kind_of_place(&self, axis: usize, at: usize) -> usize {
         let (count, reach) = (self.counts[axis], self.reach);
         if count <= 2 * reach + 1 || at < reach {
             at
@@ -69,7 +85,11 @@ impl LatticeScene {
 
     /// Calls `visit(steps, weight, sites)` for every place of the stencil around `at` that is not
     /// past a free end.
-    fn for_each(&self, at: [usize; 3], mut visit: impl FnMut([isize; 3], f64, [Site; 3])) {
+    pub(super) fn for_each(
+        &self,
+        at: [usize; 3],
+        mut visit: impl FnMut([isize; 3], f64, [Site; 3]),
+    ) {
         let site = |axis: usize, step: isize| {
             self.edges[axis].at(at[axis] as isize + step, self.counts[axis])
         };
@@ -91,31 +111,24 @@ impl LatticeScene {
 
     /// What ghosts add to the diagonal of the row at `site`: the sum of w (s - 1) over them, 1/s.
     pub fn ghost_diagonal(&self, site: usize) -> f64 {
-        let [nx, ny, _] = self.counts;
         let mut sum = 0.0;
-        self.for_each([site % nx, site / nx % ny, site / (nx * ny)], |_, weight, sites| {
+        self.for_each(self.at(site), |_, weight, sites| {
             let factor: f64 = sites.iter().map(|site| site.factor).product();
             sum += weight * (factor - 1.0);
         });
         sum
     }
 
-    /// Adds `count` particles like the one at `at`, of which some are `free` or none.
-    fn note(
-        &self,
-        problem: &Problem,
-        at: [usize; 3],
-        count: usize,
-        free: bool,
-        survey: &mut Survey,
-    ) {
+    /// Adds some particles.
+    pub(super) fn note(&self, problem: &Problem, alike: &Alike, survey: &mut Survey) {
+        let Alike { at, count, free, mass, ratio } = *alike;
         let (mut neighbors, mut diagonal) = (0, 0.0);
-        let mass = problem.mass(0);
         let mut density = mass * problem.kernel.w(0.0);
         let mut columns: Vec<([usize; 3], f64)> = Vec::new();
         self.for_each(at, |steps, weight, sites| {
             let column = sites.map(|site| site.index);
             let factor: f64 = sites.iter().map(|site| site.factor).product();
+            let weight = ratio * weight;
             diagonal += weight;
             if sites.iter().all(|site| !site.is_ghost) {
                 neighbors += 1;

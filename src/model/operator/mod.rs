@@ -8,9 +8,12 @@ pub mod fold;
 mod pair_mean;
 mod row_block;
 pub mod rows;
+mod some_rows;
+mod survey;
 mod wall_rows;
 mod weight;
 
 pub use pair_mean::PairMean;
+pub use some_rows::{SomeRows, Visit, within};
 pub use wall_rows::{WallNeeds, WallRows};
 pub use weight::{Correction, PairWeight};

@@ -61,8 +61,8 @@ impl RowBlock {
     )]
     pub(super) fn rate(&self, row: usize, own: f64, state: &[f64]) -> f64 {
         let range = self.start[row] as usize..self.start[row + 1] as usize;
-        // SAFETY: only a walk over the grid fills `index`, with ranks below the number of rows of
-        // the matrix, and the callers in `Rows` have compared that with the length of `state`.
+        // SAFETY: only `Walk::note` fills `index`, with ranks that it has looked up in the order of
+        // the particles, and callers have compared the length of that with the length of `state`.
         let term = |b: u32, w: f64| w * (unsafe { state.get_unchecked(b as usize) } - own);
         let (index, weight) = (&self.index[range.clone()], &self.weight[range]);
         let mut sum = [0.0_f64; 4];

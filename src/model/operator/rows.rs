@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::fold::{Fault, Fold, RowFold};
 use super::row_block::RowBlock;
+pub use super::survey::Survey;
 use super::wall_rows::WallRowsBuilder;
 use super::{PairWeight, WallRows};
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
@@ -13,39 +14,14 @@ use crate::model::{Problem, lattice};
 
 /// Cells that one task of a parallel walk handles.
 const CELLS_PER_TASK: usize = 256;
-/// Negative weights of this part of a row's diagonal and less count as none.
-const ROUNDING: f64 = 1e-12;
 /// Below this many rows one thread is faster than handing out tasks for every product.
 const SERIAL_ROWS: usize = 16_384;
-
-/// What one walk over all pairs tells about a scene, without storing the pairs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Survey {
-    /// Neighbours over all particles: twice the number of pairs.
-    pub entries: u64,
-    /// The most neighbours that a particle has.
-    pub most_neighbors: usize,
-    /// What bounds the step of explicit Euler, 1/s: the largest |A_aa| over particles that are not
-    /// held. Where weights of a row are negative, their magnitudes are added, which makes it a
-    /// bound of sum_b |A_ab| / 2. 0 if none has a neighbour.
-    pub rate_bound: f64,
-    /// Whether the matrix is symmetric once scaled by volume: all but convection is.
-    pub symmetric: bool,
-    /// What is wrong with a wall or surface, if anything is.
-    pub fault: Option<Fault>,
-    /// Smallest summation density (18), kg/m^dim.
-    pub min_density: f64,
-    /// Largest summation density (18), kg/m^dim.
-    pub max_density: f64,
-    /// Two particles (a, b) at one place, if there are any.
-    pub coincident: Option<(usize, usize)>,
-}
 
 /// The matrix of a scene. Rows and columns are ranks, places in cell order.
 ///
 /// The rows of held particles are empty among the others, since nothing changes there, and kept
-/// apart: what they would gain is what the outside has to take away. Walls are folded into the
-/// weights; what else they add is kept by [`WallRows`].
+/// apart: what they would gain from particles that are not held is what the outside has to take
+/// away. Walls are folded into the weights; what else they add is kept by [`WallRows`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The rows of all ranks, block after block.
@@ -66,8 +42,9 @@ pub fn cell_grid(problem: &Problem) -> CellGrid<'_> {
 /// Walks over all pairs once and stores none; see [`Survey`].
 pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
     let weight = PairWeight::new(problem);
-    let walk = Walk::new(problem, grid, &weight);
-    let parts = tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Nothing).survey);
+    let walk = Walk::new(problem, grid.order(), &weight);
+    let visit = |cells| walk.visit(grid, cells, Keep::Nothing).survey;
+    let parts = tasks(grid).into_par_iter().map(visit);
     let parts: Vec<Survey> = parts.collect();
     parts.into_iter().fold(Survey::EMPTY, Survey::merge)
 }
@@ -75,9 +52,9 @@ pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
 /// Walks over all pairs once and stores the weights.
 pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
     let weight = PairWeight::new(problem);
-    let walk = Walk::new(problem, grid, &weight);
+    let walk = Walk::new(problem, grid.order(), &weight);
     let parts: Vec<Part> =
-        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Rows)).collect();
+        tasks(grid).into_par_iter().map(|cells| walk.visit(grid, cells, Keep::Rows)).collect();
     let mut survey = Survey::EMPTY;
     let mut rows = Rows {
         blocks: Vec::with_capacity(parts.len()),
@@ -115,12 +92,12 @@ pub struct WallFold {
 /// Walks over the particles near walls and stores what these add.
 pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
     let weight = PairWeight::new(problem);
-    let walk = Walk::new(problem, grid, &weight);
+    let walk = Walk::new(problem, grid.order(), &weight);
     if walk.fold.is_none() {
         return WallFold::default();
     }
     let parts: Vec<Part> =
-        tasks(grid).into_par_iter().map(|cells| walk.visit(cells, Keep::Walls)).collect();
+        tasks(grid).into_par_iter().map(|cells| walk.visit(grid, cells, Keep::Walls)).collect();
     let (mut weight, mut fault, mut is_skew) = (Vec::new(), None, false);
     let mut walls = WallRowsBuilder::default();
     for part in parts {
@@ -142,20 +119,22 @@ enum Keep {
     Walls,
 }
 
-/// What the visit of some cells found.
-struct Part {
-    survey: Survey,
-    free: RowBlock,
-    held: RowBlock,
-    held_rank: Vec<u32>,
+/// What the visit of some particles found.
+#[derive(Default)]
+pub(super) struct Part {
+    pub(super) survey: Survey,
+    pub(super) free: RowBlock,
+    pub(super) held: RowBlock,
+    pub(super) held_rank: Vec<u32>,
     folded: Vec<(u32, u32, f64)>,
-    walls: WallRowsBuilder,
+    pub(super) walls: WallRowsBuilder,
 }
 
 /// What every task of a walk needs.
-struct Walk<'a> {
+pub(super) struct Walk<'a> {
     problem: &'a Problem,
-    grid: &'a CellGrid<'a>,
+    /// The particle at each rank.
+    order: &'a [u32],
     weight: &'a PairWeight<'a>,
     fold: Option<Fold<'a>>,
     /// Neighbours in the interior of a lattice: what rows are expected to have.
@@ -163,50 +142,37 @@ struct Walk<'a> {
 }
 
 /// One row of a walk.
-struct Row<'a> {
-    rank: usize,
+pub(super) struct Row<'a> {
+    pub(super) rank: usize,
     /// Index of the particle.
-    a: usize,
-    held: bool,
-    neighbors: &'a [Neighbor],
+    pub(super) a: usize,
+    pub(super) held: bool,
+    pub(super) neighbors: &'a [Neighbor],
     /// What walls add, if any reaches.
-    fold: Option<&'a RowFold>,
+    pub(super) fold: Option<&'a RowFold>,
 }
 
 impl<'a> Walk<'a> {
-    fn new(problem: &'a Problem, grid: &'a CellGrid<'a>, weight: &'a PairWeight<'a>) -> Self {
+    pub(super) fn new(problem: &'a Problem, order: &'a [u32], weight: &'a PairWeight<'a>) -> Self {
         let mut expected = 0;
         lattice::for_each_neighbor(&problem.kernel, problem.spacing, |_| expected += 1);
-        Self { problem, grid, weight, fold: Fold::new(problem, weight), expected }
+        Self { problem, order, weight, fold: Fold::new(problem, weight), expected }
     }
 
-    fn visit(&self, cells: Range<usize>, keep: Keep) -> Part {
-        let (problem, grid) = (self.problem, self.grid);
+    fn visit(&self, grid: &CellGrid<'_>, cells: Range<usize>, keep: Keep) -> Part {
+        let problem = self.problem;
         let particles = (grid.start()[cells.end] - grid.start()[cells.start]) as usize;
         let capacity = if keep == Keep::Rows { particles * self.expected } else { 0 };
-        let mut part = Part {
-            survey: Survey::EMPTY,
-            free: RowBlock::with_capacity(particles, capacity),
-            held: RowBlock::default(),
-            held_rank: Vec::new(),
-            folded: Vec::new(),
-            walls: WallRowsBuilder::default(),
-        };
+        let free = RowBlock::with_capacity(particles, capacity);
+        let mut part = Part { free, ..Part::default() };
         let mut scratch = Scratch::default();
         let mut row_fold = RowFold::default();
         for cell in cells {
-            if keep == Keep::Walls && !self.walls_reach(cell) {
+            if keep == Keep::Walls && !self.walls_reach(&grid.order()[grid.ranks(cell)]) {
                 continue;
             }
             grid.for_each_row(cell, problem.kernel.cutoff(), &mut scratch, |rank, neighbors| {
-                let a = grid.order()[rank] as usize;
-                let folded = self
-                    .fold
-                    .as_ref()
-                    .is_some_and(|fold| fold.of_row(a, neighbors, grid.order(), &mut row_fold));
-                let fold = folded.then_some(&row_fold);
-                let held = problem.is_held(a);
-                let row = Row { rank, a, held, neighbors, fold };
+                let row = self.row(rank, neighbors, &mut row_fold);
                 match keep {
                     Keep::Walls => part.keep_walls(problem, &row),
                     _ => self.note(&row, keep == Keep::Rows, &mut part),
@@ -217,24 +183,41 @@ impl<'a> Walk<'a> {
         part
     }
 
-    /// Whether a wall reaches a particle of the cell.
-    fn walls_reach(&self, cell: usize) -> bool {
+    /// The row at `rank`; what walls add to it is written to `fold`.
+    pub(super) fn row<'b>(
+        &self,
+        rank: usize,
+        neighbors: &'b [Neighbor],
+        fold: &'b mut RowFold,
+    ) -> Row<'b> {
+        let a = self.order[rank] as usize;
+        let of_row = |walls: &Fold<'_>| walls.of_row(a, neighbors, self.order, fold);
+        let folded = self.fold.as_ref().is_some_and(of_row);
+        Row { rank, a, held: self.problem.is_held(a), neighbors, fold: folded.then_some(fold) }
+    }
+
+    /// Whether a wall reaches one of `particles`.
+    fn walls_reach(&self, particles: &[u32]) -> bool {
         let position = &self.problem.particles.position;
-        let particles = &self.grid.order()[self.grid.ranks(cell)];
         let reached =
             |fold: &Fold<'_>| particles.iter().any(|&p| fold.reaches(position[p as usize]));
         self.fold.as_ref().is_some_and(reached)
     }
 
     /// Surveys a row, and stores it with `store`.
-    fn note(&self, row: &Row<'_>, store: bool, part: &mut Part) {
-        let (problem, grid) = (self.problem, self.grid);
-        part.survey.note_neighbors(grid, row.a, row.neighbors);
-        part.survey.note_density(density_of(problem, grid, row.a, row.neighbors));
+    pub(super) fn note(&self, row: &Row<'_>, store: bool, part: &mut Part) {
+        let (problem, order) = (self.problem, self.order);
+        part.survey.note_neighbors(order, row.a, row.neighbors);
+        part.survey.note_density(density_of(problem, order, row.a, row.neighbors));
         let block = if row.held { &mut part.held } else { &mut part.free };
         let (mut weights, mut negative) = (0.0, 0.0);
         for (k, n) in row.neighbors.iter().enumerate() {
-            let between = self.weight.of(row.a, grid.order()[n.rank as usize] as usize, n.dist);
+            let b = order[n.rank as usize] as usize;
+            // Between two held particles nothing is exchanged.
+            if row.held && problem.is_held(b) {
+                continue;
+            }
+            let between = self.weight.of(row.a, b, n.dist);
             let weight = between + row.fold.map_or(0.0, |fold| fold.weight[k]);
             weights += weight;
             negative -= weight.min(0.0);
@@ -266,9 +249,16 @@ impl Part {
         let Some(fold) = row.fold else {
             return;
         };
-        self.survey.note_fold(fold);
         let weights = row.neighbors.iter().zip(&fold.weight).filter(|(_, weight)| **weight != 0.0);
         self.folded.extend(weights.map(|(n, weight)| (row.rank as u32, n.rank, *weight)));
+        self.keep_source(problem, row);
+    }
+
+    /// Stores what walls add to a row beyond weights.
+    pub(super) fn keep_source(&mut self, problem: &Problem, row: &Row<'_>) {
+        if let Some(fold) = row.fold {
+            self.survey.note_fold(fold);
+        }
         self.add_wall_row(problem, row);
     }
 
@@ -280,64 +270,11 @@ impl Part {
     }
 }
 
-impl Survey {
-    /// That of no particle.
-    pub(in crate::model) const EMPTY: Self = Self {
-        entries: 0,
-        most_neighbors: 0,
-        rate_bound: 0.0,
-        symmetric: true,
-        fault: None,
-        min_density: f64::INFINITY,
-        max_density: f64::NEG_INFINITY,
-        coincident: None,
-    };
-
-    fn merge(self, other: Self) -> Self {
-        Self {
-            entries: self.entries + other.entries,
-            most_neighbors: self.most_neighbors.max(other.most_neighbors),
-            rate_bound: self.rate_bound.max(other.rate_bound),
-            symmetric: self.symmetric && other.symmetric,
-            fault: self.fault.or(other.fault),
-            min_density: self.min_density.min(other.min_density),
-            max_density: self.max_density.max(other.max_density),
-            coincident: self.coincident.or(other.coincident),
-        }
-    }
-
-    fn note_neighbors(&mut self, grid: &CellGrid<'_>, a: usize, neighbors: &[Neighbor]) {
-        self.entries += neighbors.len() as u64;
-        self.most_neighbors = self.most_neighbors.max(neighbors.len());
-        if let Some(same) = neighbors.iter().find(|n| n.dist == 0.0) {
-            self.coincident = Some((a, grid.order()[same.rank as usize] as usize));
-        }
-    }
-
-    /// Takes a row whose diagonal is -`diagonal` and whose negative weights add up to -`negative`.
-    pub(in crate::model) fn note_diagonal(&mut self, diagonal: f64, negative: f64) {
-        // Mirrors subtract nearly equal weights; what rounding leaves of them is no sign.
-        let bound = if negative <= ROUNDING * diagonal { diagonal } else { diagonal + negative };
-        self.rate_bound = self.rate_bound.max(bound);
-    }
-
-    fn note_fold(&mut self, fold: &RowFold) {
-        self.symmetric &= fold.skew == 0.0;
-        self.fault = self.fault.or(fold.fault);
-    }
-
-    /// Takes a density, kg/m^dim.
-    pub(in crate::model) fn note_density(&mut self, density: f64) {
-        self.min_density = self.min_density.min(density);
-        self.max_density = self.max_density.max(density);
-    }
-}
-
 /// Summation density (18) of particle `a`: sum_b m_b W(r_ab), itself included.
-fn density_of(problem: &Problem, grid: &CellGrid<'_>, a: usize, neighbors: &[Neighbor]) -> f64 {
+fn density_of(problem: &Problem, order: &[u32], a: usize, neighbors: &[Neighbor]) -> f64 {
     let of_others: f64 = neighbors
         .iter()
-        .map(|n| problem.mass(grid.order()[n.rank as usize] as usize) * problem.kernel.w(n.dist))
+        .map(|n| problem.mass(order[n.rank as usize] as usize) * problem.kernel.w(n.dist))
         .sum();
     of_others + problem.mass(a) * problem.kernel.w(0.0)
 }
@@ -352,7 +289,7 @@ pub fn density(problem: &Problem) -> Vec<f64> {
         for cell in cells {
             grid.for_each_row(cell, cutoff, &mut scratch, |rank, neighbors| {
                 let a = grid.order()[rank] as usize;
-                density.push(density_of(problem, &grid, a, neighbors));
+                density.push(density_of(problem, grid.order(), a, neighbors));
             });
         }
         density
@@ -444,7 +381,8 @@ impl Rows {
         }
     }
 
-    /// The rate that each held particle would have, in the order of [`Rows::held_rank`].
+    /// The rate that each held particle would have from those that are not held, in the order of
+    /// [`Rows::held_rank`].
     ///
     /// # Panics
     /// If `state` has another length than there are rows.

@@ -150,6 +150,12 @@ impl WallRows {
         }
     }
 
+    /// The same rows for a matrix that has their diagonals already.
+    pub fn without_diagonal(mut self) -> Self {
+        self.diagonal.fill(0.0);
+        self
+    }
+
     /// How many rows there are.
     pub fn len(&self) -> usize {
         self.rank.len()

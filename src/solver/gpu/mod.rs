@@ -1,27 +1,35 @@
-//! The GPU backend: the neighbour list is built on the device once, with its weights; a step is
-//! one pass over it.
+//! The GPU backend. By list: the neighbours are found on the device once and stored with their
+//! weights, and a step is one pass over them. By lattice: a step is one pass with a stencil.
 //!
-//! State lives in sorted order on the device; the problem's order is restored on reading back.
+//! State lives on the device in the order of its cells or sites; the problem's order is restored on
+//! reading back.
 
+pub mod lattice;
 mod list;
+mod operator;
 pub mod passes;
 mod scaling;
 mod sorted;
 mod steps;
 mod walls;
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use super::plan::Needs;
 use super::{Backend, Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
+use crate::model::lattice::LatticeScene;
 use crate::model::neighbors::CellLayout;
+use crate::model::operator::WallRows;
 
+use lattice::Lattice;
 use list::List;
+use operator::Operator;
 pub use passes::Choices;
 use passes::WallTerms;
-use scaling::Scaling;
+use scaling::{Scaling, reference_step};
 pub use sorted::Sorted;
 use steps::Steps;
 use walls::{WallSlots, Walls};
@@ -33,14 +41,21 @@ pub struct GpuOptions {
     pub precision: Precision,
     /// Invocations a workgroup.
     pub workgroup_size: u32,
-    /// Bytes that a buffer of the neighbour list may take, if fewer than the device allows.
-    pub list_chunk_bytes: Option<u64>,
+    /// Bytes that a buffer of the neighbour list or of a lattice's state may take, if fewer than the
+    /// device allows.
+    pub chunk_bytes: Option<u64>,
 }
 
 impl GpuOptions {
     /// The usual way, in this precision.
     pub fn new(precision: Precision) -> Self {
-        Self { precision, workgroup_size: passes::WORKGROUP_SIZE, list_chunk_bytes: None }
+        Self { precision, workgroup_size: passes::WORKGROUP_SIZE, chunk_bytes: None }
+    }
+
+    /// Bytes that a buffer may take.
+    fn most_bytes(self, device: &Device) -> u64 {
+        let most = device.max_binding_bytes();
+        self.chunk_bytes.map_or(most, |bytes| bytes.min(most))
     }
 }
 
@@ -58,12 +73,11 @@ impl AsRef<[f64]> for GpuField {
 #[derive(Debug)]
 pub struct GpuBackend {
     device: Device,
-    choices: Choices,
-    /// Which particle is in each row.
-    order: Vec<u32>,
-    /// Row and volume of each held particle.
-    held: Vec<(u32, f64)>,
-    list: List,
+    operator: Operator,
+    /// Which particle is in each place of the state; `None` where that is their own order.
+    order: Option<Vec<u32>>,
+    /// Where in the exchange each held particle's is, and its volume.
+    held: Vec<(usize, f64)>,
     steps: Steps,
     /// Reference step, s.
     reference_step: f64,
@@ -73,7 +87,7 @@ pub struct GpuBackend {
 /// A copy of the state.
 #[derive(Debug)]
 struct Saved {
-    state: Buffer,
+    state: Vec<Buffer>,
     exchange: Option<Buffer>,
     walls: Option<Buffer>,
     /// Where the ring of wall sources was.
@@ -81,8 +95,8 @@ struct Saved {
 }
 
 impl GpuBackend {
-    /// Puts `problem` on `device`; `dt` (s) is the step that the run is expected to take, though
-    /// any may be taken.
+    /// Puts `problem` on `device` by list; `dt` (s) is the step that the run is expected to take,
+    /// though any may be taken.
     pub fn new(
         problem: &Problem,
         dt: f64,
@@ -120,54 +134,119 @@ impl GpuBackend {
         let held = held_rows(problem, &order);
         let rows: Vec<u32> = held.iter().map(|&(row, _)| row).collect();
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
-        let most = device.max_binding_bytes();
-        let chunk_bytes = options.list_chunk_bytes.map_or(most, |bytes| bytes.min(most));
-        let list =
-            List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), chunk_bytes)?;
+        let bytes = options.most_bytes(device);
+        let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
-        let slots = WallSlots::new(device, choices.real(), walls)?;
+        let exchange = match choices.held {
+            true => Some(device.storage("exchange", (order.len() * choices.real().size()) as u64)?),
+            false => None,
+        };
+        let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
+        let operator = Operator::List { list, choices };
         Ok(Self {
-            steps: Steps::new(device, &choices, &list, &initial, slots)?,
+            steps: Steps::new(device, &operator, &initial, exchange, slots)?,
             device: device.clone(),
-            choices,
-            order,
-            held,
-            list,
+            operator,
+            order: Some(order),
+            held: held.into_iter().map(|(row, volume)| (row as usize, volume)).collect(),
             reference_step: scaling.step,
             saved: None,
         })
     }
 
-    /// What of the shaders this scene uses.
-    pub fn choices(&self) -> &Choices {
-        &self.choices
+    /// Puts `problem`, which is the lattice `scene` and whose walls add `walls` at its sites, on
+    /// `device`; `dt` (s) is the step that the run is expected to take, though any may be taken.
+    ///
+    /// # Errors
+    /// A device that fails, or that cannot hold it.
+    pub fn lattice(
+        problem: &Problem,
+        scene: &LatticeScene,
+        walls: WallRows,
+        dt: f64,
+        device: &Device,
+        options: GpuOptions,
+    ) -> Result<Self, SolverError> {
+        let real = options.precision.real();
+        device.require(real)?;
+        let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
+        let step = reference_step(problem, dt, problem.materials[material].diffusivity);
+        // The stencil has the diagonals of walls.
+        let walls = walls.without_diagonal();
+        let held = scene.held_sites(&problem.held);
+        let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
+        let exchange = match held.is_empty() {
+            true => None,
+            false => {
+                let contents = lattice::held_contents(scene, &held, step);
+                Some(device.storage_with("exchange", &real.to_bytes(&contents))?)
+            }
+        };
+        let slots = WallSlots::new(device, real, walls, step)?;
+        let operator = Operator::Lattice(lattice);
+        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
+        let initial: Cow<'_, [f64]> = match scene.order {
+            None => Cow::Borrowed(&problem.initial),
+            Some(_) => Cow::Owned(scene.by_site(&problem.initial)),
+        };
+        Ok(Self {
+            steps: Steps::new(device, &operator, &initial, exchange, slots)?,
+            device: device.clone(),
+            operator,
+            order: scene.order.clone(),
+            held: (0..held.len()).map(|k| (2 * k + 1, volume)).collect(),
+            reference_step: step,
+            saved: None,
+        })
     }
 
-    /// How many chunks the neighbour list has: a diagnostic.
+    /// What of the shaders of the list this scene uses; `None` for a lattice.
+    pub fn choices(&self) -> Option<&Choices> {
+        match &self.operator {
+            Operator::List { choices, .. } => Some(choices),
+            Operator::Lattice(_) => None,
+        }
+    }
+
+    /// How many chunks the neighbour list or the state of a lattice has: a diagnostic.
     pub fn chunk_count(&self) -> usize {
-        self.list.chunks.len()
+        match &self.operator {
+            Operator::List { list, .. } => list.chunks.len(),
+            Operator::Lattice(lattice) => lattice.parts().len(),
+        }
     }
 
     /// The neighbours of each particle in stored order, with the weight a reference step, which is
-    /// the step given to [`GpuBackend::new`]: a diagnostic.
+    /// the step given to [`GpuBackend::new`]: a diagnostic. A lattice stores none.
     pub fn neighbors(&self) -> Result<Vec<Vec<(u32, f64)>>, SolverError> {
-        let rows = self.list.read(&self.device, &self.choices)?;
+        let (Operator::List { list, choices }, Some(order)) = (&self.operator, &self.order) else {
+            return Ok(Vec::new());
+        };
+        let rows = list.read(&self.device, choices)?;
         let mut neighbors = vec![Vec::new(); rows.len()];
-        for (&particle, row) in self.order.iter().zip(rows) {
-            let of_particle = row.into_iter().map(|(b, w)| (self.order[b as usize], w));
+        for (&particle, row) in order.iter().zip(rows) {
+            let of_particle = row.into_iter().map(|(b, w)| (order[b as usize], w));
             neighbors[particle as usize] = of_particle.collect();
         }
         Ok(neighbors)
     }
 
-    /// Reads values in sorted order and puts them into the problem's, times `factor`.
-    fn field(&self, buffer: &Buffer, factor: f64) -> Result<GpuField, SolverError> {
-        let sorted = self.choices.real().from_bytes(&self.device.read(buffer)?);
-        let mut values = vec![0.0; sorted.len()];
-        for (&particle, value) in self.order.iter().zip(sorted) {
-            values[particle as usize] = factor * value;
+    /// Reads the parts of a field and puts its values into the problem's order, times `factor`.
+    fn field(&self, parts: &[Buffer], factor: f64) -> Result<GpuField, SolverError> {
+        let real = self.operator.real();
+        let mut values = Vec::new();
+        for part in parts {
+            values.extend(real.from_bytes(&self.device.read(part)?));
         }
-        Ok(GpuField(values))
+        values.iter_mut().for_each(|value| *value *= factor);
+        let Some(order) = &self.order else {
+            return Ok(GpuField(values));
+        };
+        let mut by_particle = vec![0.0; values.len()];
+        for (&particle, value) in order.iter().zip(values) {
+            by_particle[particle as usize] = value;
+        }
+        Ok(GpuField(by_particle))
     }
 }
 
@@ -187,7 +266,7 @@ impl Backend for GpuBackend {
     }
 
     fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
-        let rate = self.steps.rate(&self.device, &self.choices, &self.list, time)?;
+        let rate = self.steps.rate(&self.device, &self.operator, time)?;
         self.field(rate, 1.0 / self.reference_step)
     }
 
@@ -197,8 +276,8 @@ impl Backend for GpuBackend {
         let Some(buffer) = self.steps.exchange() else {
             return Ok(through_walls);
         };
-        let given = self.choices.real().from_bytes(&self.device.read(buffer)?);
-        let amount = |&(row, volume): &(u32, f64)| volume * given[row as usize];
+        let given = self.operator.real().from_bytes(&self.device.read(buffer)?);
+        let amount = |&(place, volume): &(usize, f64)| volume * given[place];
         Ok(through_walls + self.held.iter().map(amount).sum::<f64>())
     }
 
@@ -210,7 +289,7 @@ impl Backend for GpuBackend {
         if self.saved.is_none() {
             let twin = |buffer: &Buffer| self.device.storage("saved state", buffer.bytes());
             self.saved = Some(Saved {
-                state: twin(self.steps.state())?,
+                state: self.steps.state().iter().map(twin).collect::<Result<_, _>>()?,
                 exchange: self.steps.exchange().map(twin).transpose()?,
                 walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
                 tick: 0,
@@ -231,10 +310,10 @@ impl Backend for GpuBackend {
 
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |saved| {
-            let others = saved.exchange.iter().chain(&saved.walls);
-            saved.state.bytes() + others.map(Buffer::bytes).sum::<u64>()
+            let buffers = saved.state.iter().chain(&saved.exchange).chain(&saved.walls);
+            buffers.map(Buffer::bytes).sum::<u64>()
         });
-        self.list.bytes() + self.steps.bytes() + saved
+        self.operator.bytes() + self.steps.bytes() + saved
     }
 }
 
@@ -249,7 +328,8 @@ impl GpuBackend {
             return Ok(());
         };
         let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
-        let mut pairs = vec![direction(self.steps.state(), &saved.state)];
+        let state = self.steps.state().iter().zip(&saved.state);
+        let mut pairs: Vec<_> = state.map(|(here, there)| direction(here, there)).collect();
         pairs.extend(exchange.map(|(here, there)| direction(here, there)));
         let walls = self.steps.walls().zip(saved.walls.as_ref());
         pairs.extend(walls.map(|(here, there)| direction(&here.wall, there)));

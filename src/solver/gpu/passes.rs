@@ -2,6 +2,7 @@
 
 use crate::gpu::{Binding, BlockLayout, Constant, Element, Holds, PassSource, Real};
 use crate::model::kernel::SUPPORT_MARGIN;
+use crate::model::operator::WallRows;
 use crate::model::{KernelKind, PairMean};
 use crate::solver::Precision;
 
@@ -74,6 +75,32 @@ pub enum WallTerms {
 impl WallTerms {
     /// Every choice.
     pub const ALL: [Self; 3] = [Self::None, Self::Steady, Self::Changing];
+
+    /// What `rows` need.
+    pub fn of(rows: &WallRows) -> Self {
+        match (rows.is_empty(), rows.is_changing()) {
+            (true, _) => Self::None,
+            (false, false) => Self::Steady,
+            (false, true) => Self::Changing,
+        }
+    }
+
+    /// The shader files of these terms.
+    pub(super) fn slots(self) -> &'static [&'static str] {
+        match self {
+            Self::None => &["walls/none"],
+            Self::Steady => &["walls/some", "walls/steady"],
+            Self::Changing => &["walls/some", "walls/changing"],
+        }
+    }
+
+    /// The buffers of these terms.
+    pub(super) fn bindings(self) -> Vec<Binding> {
+        match self {
+            Self::None => Vec::new(),
+            _ => vec![write("wall", Element::Real4), read("wall_source", Element::Real)],
+        }
+    }
 }
 
 /// What a scene needs of the shaders: nothing else is compiled.
@@ -99,16 +126,29 @@ pub struct Choices {
     pub workgroup_size: u32,
 }
 
-const fn block(name: &'static str, layout: &'static BlockLayout) -> Binding {
+pub(super) const fn block(name: &'static str, layout: &'static BlockLayout) -> Binding {
     Binding::new(name, Holds::Block(layout))
 }
 
-const fn read(name: &'static str, element: Element) -> Binding {
+pub(super) const fn read(name: &'static str, element: Element) -> Binding {
     Binding::new(name, Holds::Read(element))
 }
 
-const fn write(name: &'static str, element: Element) -> Binding {
+pub(super) const fn write(name: &'static str, element: Element) -> Binding {
     Binding::new(name, Holds::Write(element))
+}
+
+/// Raises a flag if a value is not finite.
+pub fn finite(real: Real, workgroup_size: u32) -> PassSource {
+    PassSource {
+        pass: "finite",
+        real,
+        workgroup_size,
+        constants: vec![("LARGEST", Constant::Real(real.largest()))],
+        bindings: vec![read("state", Element::Real), write("flag", Element::AtomicU32)],
+        slots: vec![format!("precision/{}", real.name())],
+        generated: String::new(),
+    }
 }
 
 impl Choices {
@@ -241,13 +281,6 @@ impl Choices {
         self.on_list("rate")
     }
 
-    /// Raises a flag if a value is not finite.
-    pub fn finite(&self) -> PassSource {
-        let slot = format!("precision/{}", self.precision.name());
-        let bindings = vec![read("state", Element::Real), write("flag", Element::AtomicU32)];
-        self.source("finite", &[&slot], bindings)
-    }
-
     /// Evaluates the pair functions at given arguments: a diagnostic.
     pub fn probe(&self) -> PassSource {
         let bindings = vec![
@@ -272,7 +305,6 @@ impl Choices {
             self.wall_fold(),
             self.step(),
             self.rate(),
-            self.finite(),
             self.probe(),
         ]
     }
@@ -308,16 +340,8 @@ impl Choices {
         } else {
             "domain/all_free"
         };
-        let walls: &[&str] = match self.walls {
-            WallTerms::None => &["walls/none"],
-            WallTerms::Steady => &["walls/some", "walls/steady"],
-            WallTerms::Changing => &["walls/some", "walls/changing"],
-        };
-        if self.walls != WallTerms::None {
-            bindings.push(write("wall", Element::Real4));
-            bindings.push(read("wall_source", Element::Real));
-        }
-        self.source(pass, &[&[held, "row_sum"], walls].concat(), bindings)
+        bindings.extend(self.walls.bindings());
+        self.source(pass, &[&[held, "row_sum"], self.walls.slots()].concat(), bindings)
     }
 
     fn source(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
@@ -338,10 +362,10 @@ impl Choices {
                 ("NO_SLOT", Constant::Count(NO_SLOT)),
                 ("SOURCE_STEPS", Constant::Count(SOURCE_STEPS)),
                 ("CUTOFF_SQUARED", Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN)),
-                ("LARGEST", Constant::Real(self.real().largest())),
             ],
             bindings,
             slots: slots.iter().map(|&slot| slot.to_owned()).collect(),
+            generated: String::new(),
         }
     }
 }

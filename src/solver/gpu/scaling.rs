@@ -25,12 +25,7 @@ impl Scaling {
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let (volume_ref, diffusivity_ref) = (largest(volume), largest(&diffusivity));
         let ratio = |(v, d): (&f64, &f64)| [v / volume_ref, d / diffusivity_ref];
-        // A run of no duration has no step; its rates are asked for all the same.
-        let step = if dt > 0.0 && dt.is_finite() {
-            dt
-        } else {
-            problem.spacing * problem.spacing / diffusivity_ref
-        };
+        let step = reference_step(problem, dt, diffusivity_ref);
         let kernel = &problem.kernel;
         let moment = problem.correction.moment(kernel, problem.spacing);
         let rate = volume_ref * kernel.dw_over_r_scale() * diffusivity_ref / moment;
@@ -39,5 +34,14 @@ impl Scaling {
             weight: step * rate,
             ratios: by_particle.then(|| volume.iter().zip(&diffusivity).map(ratio).collect()),
         }
+    }
+}
+
+/// The step that weights are relative to, s: `dt`, if it is one. A run of no duration has no step;
+/// its rates are asked for all the same.
+pub(super) fn reference_step(problem: &Problem, dt: f64, diffusivity: f64) -> f64 {
+    match dt > 0.0 && dt.is_finite() {
+        true => dt,
+        false => problem.spacing * problem.spacing / diffusivity,
     }
 }

@@ -1,7 +1,7 @@
-//! The state on the device, and the passes that go through the list.
+//! The state on the device, and the passes that change it.
 
-use super::list::{Chunk, List};
-use super::passes::{Choices, STEP_SIZE};
+use super::operator::{Fields, Makes, Operator};
+use super::passes::{STEP_SIZE, finite};
 use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass, Real};
 
@@ -12,60 +12,67 @@ const MOST_DISPATCHES: u64 = 1000;
 #[derive(Debug)]
 pub(super) struct Steps {
     real: Real,
-    /// A step reads one and writes the other.
-    state: [Buffer; 2],
+    /// A step reads one and writes the other; each is in parts that the device can bind.
+    state: [Vec<Buffer>; 2],
     /// Which of the two holds the present state.
     current: usize,
-    /// What each held particle has given, value; only where there is one.
+    /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
     walls: Option<WallSlots>,
     step_size: Buffer,
     over_reference: Option<f64>,
     flag: Buffer,
-    /// A pass a chunk, by which state it reads.
+    /// The passes of a step, by which state it reads.
     step: [Vec<Pass>; 2],
-    finite: [Pass; 2],
+    finite: [Vec<Pass>; 2],
     pace: Pace,
 }
 
 impl Steps {
-    /// The passes of `list`, from values `initial` in sorted order.
+    /// The passes of `operator`, from values `initial` in its order.
     pub(super) fn new(
         device: &Device,
-        choices: &Choices,
-        list: &List,
+        operator: &Operator,
         initial: &[f64],
+        exchange: Option<Buffer>,
         walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
-        let real = choices.real();
-        let contents = real.to_bytes(initial);
-        let state = [
-            device.storage_with("state", &contents)?,
-            device.storage("state", contents.len() as u64)?,
-        ];
-        let exchange = match choices.held {
-            true => Some(device.storage("exchange", contents.len() as u64)?),
-            false => None,
-        };
+        let real = operator.real();
+        let parts = operator.parts(initial.len());
+        let filled = parts
+            .iter()
+            .map(|part| device.storage_with("state", &real.to_bytes(&initial[part.clone()])));
+        let empty =
+            parts.iter().map(|part| device.storage("state", (part.len() * real.size()) as u64));
+        let state: [Vec<Buffer>; 2] =
+            [filled.collect::<Result<_, _>>()?, empty.collect::<Result<_, _>>()?];
         let step_size = device.block("step size", &STEP_SIZE.contents(real, [], [0.0]))?;
         let flag = device.storage("flag", 4)?;
-        let step_of = |chunk: &Chunk, from: usize| {
-            let mut buffers =
-                list_buffers(list, chunk, &state, from, exchange.as_ref(), walls.as_ref());
-            buffers.push(&step_size);
-            device.pass(&choices.step(), &buffers, chunk.row_count())
+        let step_from = |from: usize| {
+            let fields = Fields {
+                from: &state[from],
+                to: &state[1 - from],
+                exchange: exchange.as_ref(),
+                walls: walls.as_ref(),
+                step_size: &step_size,
+            };
+            operator.passes(device, Makes::Step, &fields)
         };
-        let chunks = || list.chunks.iter();
-        let steps_from =
-            |from| -> Result<Vec<_>, GpuError> { chunks().map(|c| step_of(c, from)).collect() };
-        let count = initial.len() as u64;
-        let finite_of = |from: usize| device.pass(&choices.finite(), &[&state[from], &flag], count);
+        let finite = finite(real, operator.workgroup_size());
+        let finite_of = |from: usize| -> Result<Vec<Pass>, GpuError> {
+            let of_part = |part: &Buffer| {
+                let values = part.bytes() / real.size() as u64;
+                device.pass(&finite, &[part, &flag], values)
+            };
+            state[from].iter().map(of_part).collect()
+        };
+        let step = [step_from(0)?, step_from(1)?];
         Ok(Self {
             real,
-            step: [steps_from(0)?, steps_from(1)?],
             finite: [finite_of(0)?, finite_of(1)?],
-            pace: Pace::new(MOST_DISPATCHES / list.chunks.len().max(1) as u64),
+            pace: Pace::new(MOST_DISPATCHES / step[0].len().max(1) as u64),
+            step,
             state,
             current: 0,
             exchange,
@@ -109,12 +116,12 @@ impl Steps {
         Ok(())
     }
 
-    /// The present state.
-    pub(super) fn state(&self) -> &Buffer {
+    /// The parts of the present state.
+    pub(super) fn state(&self) -> &[Buffer] {
         &self.state[self.current]
     }
 
-    /// What each held particle has given, value.
+    /// What held particles have given.
     pub(super) fn exchange(&self) -> Option<&Buffer> {
         self.exchange.as_ref()
     }
@@ -129,62 +136,40 @@ impl Steps {
         self.walls.as_mut()
     }
 
-    /// The rate of change a reference step at `time` (s); it lies where the next step will write. A
-    /// run of explicit steps never asks, so its passes are made here.
+    /// The rates of change a reference step at `time` (s); they lie where the next step will write.
+    /// A run of explicit steps never asks, so their passes are made here.
     pub(super) fn rate(
         &self,
         device: &Device,
-        choices: &Choices,
-        list: &List,
+        operator: &Operator,
         time: f64,
-    ) -> Result<&Buffer, GpuError> {
+    ) -> Result<&[Buffer], GpuError> {
         if let Some(walls) = &self.walls {
             walls.prepare(device, time, 0.0, 1)?;
         }
-        let pass_of = |chunk: &Chunk| {
-            let (exchange, walls) = (self.exchange.as_ref(), self.walls.as_ref());
-            let buffers = list_buffers(list, chunk, &self.state, self.current, exchange, walls);
-            device.pass(&choices.rate(), &buffers, chunk.row_count())
+        let to = &self.state[1 - self.current];
+        let fields = Fields {
+            from: self.state(),
+            to,
+            exchange: self.exchange.as_ref(),
+            walls: self.walls.as_ref(),
+            step_size: &self.step_size,
         };
-        let passes = list.chunks.iter().map(pass_of).collect::<Result<Vec<_>, _>>()?;
-        device.submit(&passes)?;
-        Ok(&self.state[1 - self.current])
+        device.submit(&operator.passes(device, Makes::Rate, &fields)?)?;
+        Ok(to)
     }
 
     /// Whether every value is finite.
     pub(super) fn is_finite(&self, device: &Device) -> Result<bool, GpuError> {
         device.write(&self.flag, &[0; 4])?;
-        device.submit([&self.finite[self.current]])?;
+        device.submit(&self.finite[self.current])?;
         Ok(device.read(&self.flag)?.iter().all(|&byte| byte == 0))
     }
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        let fixed = [&self.state[0], &self.state[1], &self.step_size, &self.flag];
-        let buffers = fixed.into_iter().chain(&self.exchange);
+        let states = self.state.iter().flatten();
+        let buffers = states.chain([&self.step_size, &self.flag]).chain(&self.exchange);
         buffers.map(Buffer::bytes).sum::<u64>() + self.walls.as_ref().map_or(0, WallSlots::bytes)
     }
-}
-
-/// The buffers of a pass through the list, in the order of its bindings, that reads state `from`.
-fn list_buffers<'a>(
-    list: &'a List,
-    chunk: &'a Chunk,
-    state: &'a [Buffer; 2],
-    from: usize,
-    exchange: Option<&'a Buffer>,
-    walls: Option<&'a WallSlots>,
-) -> Vec<&'a Buffer> {
-    let mut buffers = vec![
-        &chunk.block,
-        &list.row_length,
-        &list.slice_start,
-        &chunk.neighbor,
-        &chunk.weight,
-        &state[from],
-        &state[1 - from],
-    ];
-    buffers.extend(exchange);
-    buffers.extend(walls.into_iter().flat_map(|walls| [&walls.wall, &walls.source]));
-    buffers
 }

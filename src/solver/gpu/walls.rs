@@ -61,11 +61,12 @@ impl Walls {
 
     /// What they add to a step.
     pub(super) fn terms(&self) -> WallTerms {
-        match (self.rows.is_empty(), self.rows.is_changing()) {
-            (true, _) => WallTerms::None,
-            (false, false) => WallTerms::Steady,
-            (false, true) => WallTerms::Changing,
-        }
+        WallTerms::of(&self.rows)
+    }
+
+    /// The rows that have a slot, in the order of the slots, with everything that goes with them.
+    pub(super) fn into_rows(self) -> WallRows {
+        self.rows
     }
 
     /// The rows that have a slot, in the order of the slots.
@@ -110,20 +111,23 @@ pub(super) struct WallSlots {
 }
 
 impl WallSlots {
-    /// The slots of `walls`; `None` if there are none.
-    pub(super) fn new(device: &Device, real: Real, walls: Walls) -> Result<Option<Self>, GpuError> {
-        let rows = walls.rows;
+    /// A slot for each of `rows`, scaled by the reference step (s); `None` if there are none.
+    pub(super) fn new(
+        device: &Device,
+        real: Real,
+        rows: WallRows,
+        reference_step: f64,
+    ) -> Result<Option<Self>, GpuError> {
         if rows.is_empty() {
             return Ok(None);
         }
-        let step = walls.reference_step;
-        let slots = rows.diagonal().iter().zip(rows.flow());
-        let contents: Vec<f64> = slots.flat_map(|(d, f)| [step * d, step * f, 0.0, 0.0]).collect();
+        let slot = |(d, f)| [reference_step * d, reference_step * f, 0.0, 0.0];
+        let contents: Vec<f64> = rows.diagonal().iter().zip(rows.flow()).flat_map(slot).collect();
         let steps = if rows.is_changing() { u64::from(SOURCE_STEPS) } else { 1 };
         let wall = device.storage_with("wall rows", &real.to_bytes(&contents))?;
         let source_bytes = steps * (rows.len() * real.size()) as u64;
         let source = device.storage("wall sources", source_bytes)?;
-        let slots = Self { real, rows, reference_step: step, wall, source, tick: 0 };
+        let slots = Self { real, rows, reference_step, wall, source, tick: 0 };
         slots.write_sources(device, 0.0, 0.0, 1)?;
         Ok(Some(slots))
     }

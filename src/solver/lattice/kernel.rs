@@ -1,10 +1,15 @@
 //! The stencil along lines of a lattice, on the CPU.
 //!
-//! The rate of a particle is the sum over classes c of lines parallel to x, and over steps i along
-//! them, of w_ci (R_c(x - i) + R_c(x + i) - 2 n_c C(x)), where R_c is the sum of the n_c lines of a
-//! class. Lines follow each other in memory, so several of them are worked on as one, in loops that
-//! the processor runs on several values at once; only what is near the ends of a line is then done
-//! again, with what lies past them. Differences, not a diagonal: a constant field has rate 0.
+//! Lines parallel to x that lie at one distance are a class c; R_c is the sum of the n_c of them
+//! that there are. With E_c = R_c - n_c C, the difference of a particle to the lines around it, and
+//! P_i = sum_c w_ci E_c, K_i = sum_c w_ci n_c, Q_i = P_i + K_i C, the rate of a particle is
+//!
+//! P_0(x) + sum_i [Q_i(x - i) + Q_i(x + i) - 2 K_i C(x)].
+//!
+//! So every line is read once, whatever the reach of the stencil along x. Lines follow each other in
+//! memory, so several of them are worked on as one, in loops that the processor runs on several
+//! values at once; only what is near the ends of a line is then done again, with what lies past
+//! them. The rate of a constant field is exactly 0: its E_c are, and the K_i C cancel.
 //!
 //! Where the processor has them, wider vectors and fused multiplications are used, so that the last
 //! bits of a result depend on the processor; they do not depend on the number of threads.
@@ -14,13 +19,10 @@ use std::ops::Range;
 use crate::model::lattice::LatticeScene;
 
 /// Values that are worked on together: what lies around them stays in the fastest cache.
-const BLOCK: usize = 1024;
+const BLOCK: usize = 2048;
 
-/// Classes that are added in one go.
-const CLASSES: usize = 3;
-
-/// The widest reach whose loops are unrolled; wider ones are added step by step.
-const UNROLLED: usize = 3;
+/// The widest reach of a stencil.
+const WIDEST: usize = 4;
 
 /// A part of the lattice that is worked on as one: lines with the same lines around them, or a part
 /// of a line.
@@ -51,45 +53,6 @@ impl Run {
     }
 }
 
-/// The lines of a class around a run.
-#[derive(Debug, Default)]
-struct Members {
-    /// The site of each line that is beside the first of the run, and the factor of its values.
-    lines: Vec<(usize, f64)>,
-    /// Whether every factor is 1.
-    plain: bool,
-}
-
-impl Members {
-    /// The values along a run and `reach` more on either side, where they are those of one line.
-    fn single<'a>(&self, state: &'a [f64], run: &Run, reach: usize) -> Option<&'a [f64]> {
-        match self.lines[..] {
-            [(line, _)] if self.plain && line >= reach => {
-                state.get(line - reach..line + run.length + reach)
-            }
-            _ => None,
-        }
-    }
-
-    /// R_c at a site `further` along x than place `local` of the run.
-    fn sum_at(&self, local: usize, further: isize, state: &[f64]) -> f64 {
-        let site = |line: usize| (line + local).wrapping_add_signed(further);
-        self.lines.iter().map(|&(line, factor)| factor * state[site(line)]).sum()
-    }
-}
-
-/// What working on a run needs.
-#[derive(Debug)]
-pub(super) struct Scratch {
-    members: Vec<Members>,
-    /// R_c of each class, with `reach` values more on either side; not of one line alone, which is
-    /// read where it is.
-    sums: Vec<Vec<f64>>,
-    /// Sums of terms that do not fit into one go.
-    partial: Vec<f64>,
-    ends: Vec<NearEnd>,
-}
-
 /// What is written at each site: `share` C + `scale` x rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Combine {
@@ -97,34 +60,50 @@ pub(super) struct Combine {
     pub(super) scale: f64,
 }
 
-/// A class of lines as the innermost loop takes it.
-#[derive(Clone, Copy)]
-struct Term<'a> {
-    /// R_c from `reach` before the run on.
-    sum: &'a [f64],
-    /// n_c
-    count: f64,
-    /// w_ci for i from 0 on, filled up with 0.
-    weights: [f64; UNROLLED + 1],
+/// The lines around a run, but for its own: for each its class, and the site that is beside the
+/// first of the run. Those of one class go together, as far as there are enough.
+#[derive(Debug, Default)]
+struct Members {
+    fours: Vec<(usize, [usize; 4])>,
+    twos: Vec<(usize, [usize; 2])>,
+    /// With the factor of their values, since ghosts are among them.
+    ones: Vec<(usize, usize, f64)>,
+    /// K_i
+    along: [f64; WIDEST + 1],
 }
 
-/// What a run reads.
-struct Around<'a> {
-    scene: &'a LatticeScene,
-    state: &'a [f64],
-    run: &'a Run,
-    members: &'a [Members],
-    /// R_c of each class, from `reach` before the run on.
-    sums: Vec<&'a [f64]>,
+/// What working on a run needs.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    members: Members,
+    /// Lines of a class whose values count as they are.
+    plain: Vec<usize>,
+    /// P_0, Q_1, Q_2, ... from `reach` before the run on.
+    sums: Vec<Vec<f64>>,
+    ends: Vec<NearEnd>,
+}
+
+/// A place near an end of a line, with the places along it that add to its rate.
+#[derive(Debug)]
+struct NearEnd {
+    x: usize,
+    terms: Vec<AlongLine>,
+}
+
+/// What is `step` sites along a line: a site `further` along, times a factor.
+#[derive(Debug)]
+struct AlongLine {
+    step: usize,
+    further: isize,
+    factor: f64,
 }
 
 impl Scratch {
     pub(super) fn new(scene: &LatticeScene) -> Self {
-        let classes = scene.classes.len();
         Self {
-            members: (0..classes).map(|_| Members::default()).collect(),
-            sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; classes],
-            partial: vec![0.0; BLOCK],
+            members: Members::default(),
+            plain: Vec::new(),
+            sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; scene.reach + 1],
             ends: NearEnd::all(scene),
         }
     }
@@ -138,7 +117,6 @@ impl Scratch {
         combine: Combine,
         out: &mut [f64],
     ) {
-        self.find_members(scene, run);
         #[cfg(target_arch = "x86_64")]
         if has_wide_vectors() {
             #[allow(unsafe_code, reason = "wider vectors and fused operations: twice the speed")]
@@ -174,158 +152,217 @@ impl Scratch {
         combine: Combine,
         out: &mut [f64],
     ) {
-        for (members, sum) in self.members.iter().zip(&mut self.sums) {
-            if members.single(state, run, scene.reach).is_none() {
-                gather(members, state, run, scene.reach, sum);
-            }
+        self.find_members(scene, run);
+        let around = Around { scene, state, run, members: &self.members };
+        match scene.reach {
+            1 => around.work::<1, FUSED>(&mut self.sums, &self.ends, combine, out),
+            2 => around.work::<2, FUSED>(&mut self.sums, &self.ends, combine, out),
+            3 => around.work::<3, FUSED>(&mut self.sums, &self.ends, combine, out),
+            WIDEST => around.work::<WIDEST, FUSED>(&mut self.sums, &self.ends, combine, out),
+            _ => around.work::<0, FUSED>(&mut self.sums, &self.ends, combine, out),
         }
-        let sums = self.members.iter().zip(&self.sums);
-        let sums = sums.map(|(m, sum)| m.single(state, run, scene.reach).unwrap_or(sum)).collect();
-        let around = Around { scene, state, run, members: &self.members, sums };
-        around.add_up::<FUSED>(combine, &mut self.partial[..run.length], out);
-        around.near_ends::<FUSED>(&self.ends, combine, out);
     }
 
     fn find_members(&mut self, scene: &LatticeScene, run: &Run) {
+        let Self { members, plain, .. } = self;
         let [nx, ny, nz] = scene.counts;
         let (y, z) = (run.first / nx % ny, run.first / (nx * ny));
-        for (class, members) in scene.classes.iter().zip(&mut self.members) {
-            members.lines.clear();
+        members.clear();
+        for (c, class) in scene.classes.iter().enumerate() {
+            plain.clear();
+            let mut count = 0.0;
             for &[step_y, step_z] in &class.lines {
                 let site_y = scene.edges[1].at(y as isize + step_y, ny);
                 let site_z = scene.edges[2].at(z as isize + step_z, nz);
-                if let (Some(y), Some(z)) = (site_y, site_z) {
-                    let line = (z.index * ny + y.index) * nx;
-                    members.lines.push((line + run.x, y.factor * z.factor));
+                let (Some(y), Some(z)) = (site_y, site_z) else {
+                    continue;
+                };
+                count += 1.0;
+                let line = (z.index * ny + y.index) * nx + run.x;
+                match y.factor * z.factor {
+                    // Of the line itself there is no difference.
+                    _ if (step_y, step_z) == (0, 0) => {}
+                    1.0 => plain.push(line),
+                    factor => members.ones.push((c, line, factor)),
                 }
             }
-            members.plain = members.lines.iter().all(|(_, factor)| *factor == 1.0);
+            members.add(c, plain);
+            for (along, weight) in members.along.iter_mut().zip(&class.weights) {
+                *along += weight * count;
+            }
         }
     }
 }
 
-impl Around<'_> {
-    /// Writes the run as if lines had no ends.
-    #[inline(always)]
-    fn add_up<const FUSED: bool>(&self, combine: Combine, partial: &mut [f64], out: &mut [f64]) {
-        match self.scene.reach {
-            1 => self.add_classes::<1, FUSED>(combine, partial, out),
-            2 => self.add_classes::<2, FUSED>(combine, partial, out),
-            3 => self.add_classes::<3, FUSED>(combine, partial, out),
-            _ => self.add_steps::<FUSED>(combine, partial, out),
-        }
-    }
+/// What a run reads.
+struct Around<'a> {
+    scene: &'a LatticeScene,
+    state: &'a [f64],
+    run: &'a Run,
+    members: &'a Members,
+}
 
+impl Around<'_> {
     #[inline(always)]
-    fn add_classes<const REACH: usize, const FUSED: bool>(
+    fn work<const REACH: usize, const FUSED: bool>(
         &self,
+        sums: &mut [Vec<f64>],
+        ends: &[NearEnd],
         combine: Combine,
-        partial: &mut [f64],
         out: &mut [f64],
     ) {
-        let own = &self.state[self.run.first..][..self.run.length];
-        let term = |c: usize| {
-            let mut weights = [0.0; UNROLLED + 1];
-            let of_class = &self.scene.classes[c].weights;
-            weights[..of_class.len()].copy_from_slice(of_class);
-            Term { sum: self.sums[c], count: self.members[c].lines.len() as f64, weights }
+        self.add_lines::<REACH, FUSED>(sums);
+        self.add_along::<REACH, FUSED>(sums, combine, out);
+        self.near_ends(sums, ends, combine, out);
+    }
+
+    /// The sites of the run whose sums are needed, relative to its first: those of its lines that lie
+    /// beside it as well.
+    fn needed(&self) -> Range<isize> {
+        let (run, reach, nx) = (self.run, self.scene.reach, self.scene.counts[0]);
+        let after = if run.length >= nx { 0 } else { reach.min(nx - run.x - run.length) };
+        -(reach.min(run.x) as isize)..(run.length + after) as isize
+    }
+
+    /// Writes P_0, Q_1, Q_2, ...
+    #[inline(always)]
+    fn add_lines<const REACH: usize, const FUSED: bool>(&self, sums: &mut [Vec<f64>]) {
+        let needed = self.needed();
+        let length = needed.len();
+        let start = REACH.wrapping_add_signed(needed.start);
+        let beside = |line: usize| &self.state[line.wrapping_add_signed(needed.start)..][..length];
+        let mut sums = sums.iter_mut().map(|sum| &mut sum[start..][..length]);
+        let here = sums.next().expect("that of the particle's own place");
+        let mut target = Target::<REACH> {
+            own: beside(self.run.first),
+            here,
+            steps: std::array::from_fn(|_| sums.next().expect("one for each step of the reach")),
+            along: std::array::from_fn(|k| self.members.along[k + 1]),
+            is_new: true,
         };
-        let count = self.sums.len();
-        let (mut done, mut first) = (0, true);
-        while count - done > CLASSES {
-            let terms = [term(done), term(done + 1), term(done + 2)];
-            add_terms::<CLASSES, REACH, FUSED>(partial, own, &terms, first, None);
-            (done, first) = (done + CLASSES, false);
+        let weights = |class: usize| {
+            let of_class = &self.scene.classes[class].weights;
+            let mut weights = [0.0; WIDEST + 1];
+            weights[..of_class.len()].copy_from_slice(of_class);
+            weights
+        };
+        let Members { fours, twos, ones, .. } = self.members;
+        let mut pairs = fours.chunks_exact(2);
+        for pair in &mut pairs {
+            let [(a, four), (b, other)] = [pair[0], pair[1]];
+            let lines = [four.map(beside), other.map(beside)];
+            target.add::<2, 4, FUSED>(&lines, 1.0, &[weights(a), weights(b)]);
         }
-        let last = Some((combine, out));
-        match count - done {
-            1 => add_terms::<1, REACH, FUSED>(partial, own, &[term(done)], first, last),
-            2 => {
-                let terms = [term(done), term(done + 1)];
-                add_terms::<2, REACH, FUSED>(partial, own, &terms, first, last);
-            }
-            _ => {
-                let terms = [term(done), term(done + 1), term(done + 2)];
-                add_terms::<CLASSES, REACH, FUSED>(partial, own, &terms, first, last);
-            }
+        for &(class, four) in pairs.remainder() {
+            target.add::<1, 4, FUSED>(&[four.map(beside)], 1.0, &[weights(class)]);
+        }
+        for &(class, two) in twos {
+            target.add::<1, 2, FUSED>(&[two.map(beside)], 1.0, &[weights(class)]);
+        }
+        for &(class, line, factor) in ones {
+            target.add::<1, 1, FUSED>(&[[beside(line)]], factor, &[weights(class)]);
+        }
+        if target.is_new {
+            target.add::<0, 1, FUSED>(&[], 1.0, &[]);
         }
     }
 
-    /// The same for any reach, a step of a class at a time.
+    /// Writes the run as if lines had no ends.
     #[inline(always)]
-    fn add_steps<const FUSED: bool>(&self, combine: Combine, partial: &mut [f64], out: &mut [f64]) {
-        let (length, reach) = (self.run.length, self.scene.reach);
-        let own = &self.state[self.run.first..][..length];
-        let partial = &mut partial[..length];
-        partial.fill(0.0);
-        for ((class, members), sum) in self.scene.classes.iter().zip(self.members).zip(&self.sums) {
-            for (step, &weight) in class.weights.iter().enumerate() {
-                let lower = &sum[reach - step..][..length];
-                let upper = &sum[reach + step..][..length];
-                // The line itself counts once, as both.
-                let weight = if step == 0 { 0.5 * weight } else { weight };
-                let count = 2.0 * members.lines.len() as f64;
-                for x in 0..length {
-                    let both = lower[x] + upper[x];
-                    let difference = multiply_add::<FUSED>(-count, own[x], both);
-                    partial[x] = multiply_add::<FUSED>(weight, difference, partial[x]);
-                }
-            }
+    fn add_along<const REACH: usize, const FUSED: bool>(
+        &self,
+        sums: &[Vec<f64>],
+        combine: Combine,
+        out: &mut [f64],
+    ) {
+        // What is left out at either end of the lattice is near the end of a line.
+        let run = self.run;
+        let lower = REACH.saturating_sub(run.first).min(run.length);
+        let upper = run.length.min((self.state.len() - run.first).saturating_sub(REACH)).max(lower);
+        let length = upper - lower;
+        if length == 0 {
+            return;
         }
+        let own = &self.state[run.first + lower..][..length];
+        let here = &sums[0][lower + REACH..][..length];
+        let steps: [&[f64]; REACH] =
+            std::array::from_fn(|k| &sums[k + 1][lower..][..length + 2 * REACH]);
+        let along: [f64; REACH] = std::array::from_fn(|k| self.members.along[k + 1]);
+        let out = &mut out[lower..upper];
+        let Combine { share, scale } = combine;
         for x in 0..length {
-            out[x] = multiply_add::<FUSED>(combine.scale, partial[x], combine.share * own[x]);
+            let own = own[x];
+            let mut rate = here[x];
+            for k in 0..REACH {
+                let both = steps[k][x + REACH - 1 - k] + steps[k][x + REACH + 1 + k];
+                rate += multiply_add::<FUSED>(-2.0, along[k] * own, both);
+            }
+            out[x] = multiply_add::<FUSED>(scale, rate, share * own);
         }
     }
 
     /// Writes what is near the ends of lines again, with what lies past them.
     #[inline(always)]
-    fn near_ends<const FUSED: bool>(&self, ends: &[NearEnd], combine: Combine, out: &mut [f64]) {
-        let (nx, run) = (self.scene.counts[0], self.run);
+    fn near_ends(&self, sums: &[Vec<f64>], ends: &[NearEnd], combine: Combine, out: &mut [f64]) {
+        let (nx, reach, run) = (self.scene.counts[0], self.scene.reach, self.run);
+        let needed = self.needed();
         for end in ends {
             if !(run.x..run.x + run.length.min(nx)).contains(&end.x) {
                 continue;
             }
             for local in (end.x - run.x..run.length).step_by(nx) {
                 let own = self.state[run.first + local];
-                let mut rate = 0.0;
-                for entry in &end.entries {
-                    let count = self.members[entry.class].lines.len() as f64;
-                    let value = entry.factor * self.value(entry, local);
-                    let difference = multiply_add::<FUSED>(-count, own, value);
-                    rate = multiply_add::<FUSED>(entry.weight, difference, rate);
+                let mut rate = sums[0][reach + local];
+                for term in &end.terms {
+                    let there = local as isize + term.further;
+                    // The other end of a line that is longer than the run is not in it.
+                    let sum = match needed.contains(&there) {
+                        true => sums[term.step][reach.wrapping_add_signed(there)],
+                        false => self.sum_at(there, term.step),
+                    };
+                    rate += term.factor * sum - self.members.along[term.step] * own;
                 }
-                out[local] = multiply_add::<FUSED>(combine.scale, rate, combine.share * own);
+                out[local] = combine.scale * rate + combine.share * own;
             }
         }
     }
 
-    /// R_c where `entry` says, from place `local` of the run.
-    #[inline(always)]
-    fn value(&self, entry: &Entry, local: usize) -> f64 {
-        let reach = self.scene.reach;
-        // The other end of a line that is longer than the run is not in it.
-        if entry.further.unsigned_abs() <= reach || self.run.length >= self.scene.counts[0] {
-            self.sums[entry.class][(reach + local).wrapping_add_signed(entry.further)]
-        } else {
-            self.members[entry.class].sum_at(local, entry.further, self.state)
-        }
+    /// Q_`step` at a place relative to the first of the run.
+    fn sum_at(&self, there: isize, step: usize) -> f64 {
+        let Members { fours, twos, ones, along } = self.members;
+        let value = |line: usize| self.state[line.wrapping_add_signed(there)];
+        let weight = |class: usize| self.scene.classes[class].weights.get(step).unwrap_or(&0.0);
+        let own = value(self.run.first);
+        let fours = fours.iter().flat_map(|&(class, four)| four.map(|line| (class, line, 1.0)));
+        let twos = twos.iter().flat_map(|&(class, two)| two.map(|line| (class, line, 1.0)));
+        let lines = fours.chain(twos).chain(ones.iter().copied());
+        let differences =
+            lines.map(|(class, line, factor)| weight(class) * (factor * value(line) - own));
+        along[step] * own + differences.sum::<f64>()
     }
 }
 
-/// A place near an end of a line, with everything that its rate is made of.
-#[derive(Debug)]
-struct NearEnd {
-    x: usize,
-    entries: Vec<Entry>,
-}
+impl Members {
+    fn clear(&mut self) {
+        self.fours.clear();
+        self.twos.clear();
+        self.ones.clear();
+        self.along.fill(0.0);
+    }
 
-/// w (factor R_c - n_c own), with R_c `further` along x.
-#[derive(Debug)]
-struct Entry {
-    class: usize,
-    further: isize,
-    weight: f64,
-    factor: f64,
+    /// Adds lines of a class whose values count as they are.
+    fn add(&mut self, class: usize, lines: &[usize]) {
+        let mut rest = lines;
+        while let &[a, b, c, d, ref more @ ..] = rest {
+            self.fours.push((class, [a, b, c, d]));
+            rest = more;
+        }
+        if let &[a, b, ref more @ ..] = rest {
+            self.twos.push((class, [a, b]));
+            rest = more;
+        }
+        self.ones.extend(rest.iter().map(|&one| (class, one, 1.0)));
+    }
 }
 
 impl NearEnd {
@@ -335,157 +372,101 @@ impl NearEnd {
         let lower = 0..reach.min(nx);
         let upper = (nx - reach.min(nx)).max(lower.end)..nx;
         let near = |x: usize| {
-            let mut entries = Vec::new();
-            for (class, of_class) in scene.classes.iter().enumerate() {
-                for (step, &weight) in of_class.weights.iter().enumerate() {
-                    let steps: &[isize] = if step == 0 { &[0] } else { &[-1, 1] };
-                    for sign in steps {
-                        let there = x as isize + sign * step as isize;
-                        if let Some(site) = scene.edges[0].at(there, nx).filter(|_| weight != 0.0) {
-                            let further = site.index as isize - x as isize;
-                            entries.push(Entry { class, further, weight, factor: site.factor });
-                        }
+            let mut terms = Vec::new();
+            for step in 1..=reach {
+                for there in [x as isize - step as isize, (x + step) as isize] {
+                    if let Some(site) = scene.edges[0].at(there, nx) {
+                        let further = site.index as isize - x as isize;
+                        terms.push(AlongLine { step, further, factor: site.factor });
                     }
                 }
             }
-            Self { x, entries }
+            Self { x, terms }
         };
         lower.chain(upper).map(near).collect()
     }
 }
 
-/// Writes the sum of the lines of a class along a run, with `reach` values more on either side.
-/// Values there that belong to no line of the lattice are of no use, and 0.
-#[inline(always)]
-fn gather(members: &Members, state: &[f64], run: &Run, reach: usize, sum: &mut [f64]) {
-    let sum = &mut sum[..run.length + 2 * reach];
-    let nearest = members.lines.iter().map(|line| line.0).min().unwrap_or(0);
-    let farthest = members.lines.iter().map(|line| line.0).max().unwrap_or(0);
-    let before = reach.min(nearest);
-    let after = reach.min(state.len() - farthest - run.length);
-    let (head, rest) = sum.split_at_mut(reach - before);
-    let (inner, tail) = rest.split_at_mut(before + run.length + after);
-    head.fill(0.0);
-    tail.fill(0.0);
-    let range = |k: usize| -> Range<usize> {
-        let line = members.lines[k].0;
-        line - before..line + run.length + after
-    };
-    let line = |k: usize| &state[range(k)];
-    if members.plain {
-        add_plain(inner, members.lines.len(), line);
-    } else {
-        inner.fill(0.0);
-        for (k, (_, factor)) in members.lines.iter().enumerate() {
-            inner.iter_mut().zip(line(k)).for_each(|(sum, value)| *sum += factor * value);
-        }
-    }
+/// What the differences to lines are added to.
+struct Target<'a, const REACH: usize> {
+    own: &'a [f64],
+    /// P_0
+    here: &'a mut [f64],
+    /// Q_1, Q_2, ...
+    steps: [&'a mut [f64]; REACH],
+    /// K_1, K_2, ...
+    along: [f64; REACH],
+    /// Whether nothing has been written.
+    is_new: bool,
 }
 
-/// Sums `count` lines, up to four at once.
-#[inline(always)]
-fn add_plain<'a>(sum: &mut [f64], count: usize, line: impl Fn(usize) -> &'a [f64]) {
-    let n = sum.len();
-    let mut done = match count {
-        0 => {
-            sum.fill(0.0);
-            0
+impl<const REACH: usize> Target<'_, REACH> {
+    /// Adds some groups of N lines, each with its weights and the factor of its values.
+    #[inline(always)]
+    fn add<const GROUPS: usize, const N: usize, const FUSED: bool>(
+        &mut self,
+        lines: &[[&[f64]; N]; GROUPS],
+        factor: f64,
+        weights: &[[f64; WIDEST + 1]; GROUPS],
+    ) {
+        match std::mem::take(&mut self.is_new) {
+            true => self.write::<GROUPS, N, true, FUSED>(lines, factor, weights),
+            false => self.write::<GROUPS, N, false, FUSED>(lines, factor, weights),
         }
-        1 => {
-            sum.copy_from_slice(line(0));
-            1
-        }
-        2 | 3 => {
-            let [a, b] = [0, 1].map(|k| &line(k)[..n]);
-            for x in 0..n {
-                sum[x] = a[x] + b[x];
-            }
-            2
-        }
-        _ => {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|k| &line(k)[..n]);
-            for x in 0..n {
-                sum[x] = (a[x] + b[x]) + (c[x] + d[x]);
-            }
-            4
-        }
-    };
-    while done + 4 <= count {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &line(done + k)[..n]);
+    }
+
+    #[inline(always)]
+    fn write<const GROUPS: usize, const N: usize, const NEW: bool, const FUSED: bool>(
+        &mut self,
+        lines: &[[&[f64]; N]; GROUPS],
+        factor: f64,
+        weights: &[[f64; WIDEST + 1]; GROUPS],
+    ) {
+        // No closures where it counts: they would be compiled without the caller's instructions.
+        let n = self.own.len();
+        let (own, here, along) = (&self.own[..n], &mut self.here[..n], self.along);
+        let steps = self.steps.each_mut().map(|sum| &mut sum[..n]);
+        let lines = lines.map(|group| group.map(|line| &line[..n]));
         for x in 0..n {
-            sum[x] += (a[x] + b[x]) + (c[x] + d[x]);
-        }
-        done += 4;
-    }
-    for k in done..count {
-        sum.iter_mut().zip(line(k)).for_each(|(sum, value)| *sum += value);
-    }
-}
-
-/// Adds some terms to what is in `partial`, or to nothing with `first`; the sum goes back there, or
-/// combined to `last`.
-#[inline(always)]
-fn add_terms<const N: usize, const REACH: usize, const FUSED: bool>(
-    partial: &mut [f64],
-    own: &[f64],
-    terms: &[Term<'_>; N],
-    first: bool,
-    last: Option<(Combine, &mut [f64])>,
-) {
-    let n = own.len();
-    let mut terms = *terms;
-    for term in &mut terms {
-        term.sum = &term.sum[..n + 2 * REACH];
-    }
-    let partial = &mut partial[..n];
-    match (first, last) {
-        (true, None) => {
-            for x in 0..n {
-                partial[x] = sum_of::<N, REACH, FUSED>(&terms, own[x], x, 0.0);
+            let own = own[x];
+            let mut sums = [0.0; WIDEST + 1];
+            if NEW {
+                for k in 0..REACH {
+                    sums[k + 1] = along[k] * own;
+                }
+            } else {
+                sums[0] = here[x];
+                for k in 0..REACH {
+                    sums[k + 1] = steps[k][x];
+                }
             }
-        }
-        (false, None) => {
-            for x in 0..n {
-                partial[x] = sum_of::<N, REACH, FUSED>(&terms, own[x], x, partial[x]);
+            for group in 0..GROUPS {
+                let sum = sum_of(&lines[group], x);
+                // Some equal values have a sum whose difference to as many times one is 0.
+                let difference = match N {
+                    1 => multiply_add::<FUSED>(factor, sum, -own),
+                    _ => multiply_add::<FUSED>(-(N as f64), own, sum),
+                };
+                for k in 0..REACH + 1 {
+                    sums[k] = multiply_add::<FUSED>(weights[group][k], difference, sums[k]);
+                }
             }
-        }
-        (true, Some((Combine { share, scale }, out))) => {
-            let out = &mut out[..n];
-            for x in 0..n {
-                let rate = sum_of::<N, REACH, FUSED>(&terms, own[x], x, 0.0);
-                out[x] = multiply_add::<FUSED>(scale, rate, share * own[x]);
-            }
-        }
-        (false, Some((Combine { share, scale }, out))) => {
-            let out = &mut out[..n];
-            for x in 0..n {
-                let rate = sum_of::<N, REACH, FUSED>(&terms, own[x], x, partial[x]);
-                out[x] = multiply_add::<FUSED>(scale, rate, share * own[x]);
+            here[x] = sums[0];
+            for k in 0..REACH {
+                steps[k][x] = sums[k + 1];
             }
         }
     }
 }
 
-/// `sum` and the terms at `x`. A function and no closure, which would be compiled without the
-/// instructions of its caller.
+/// The sum of one, two or four lines at a place: of equal values without a rounding error.
 #[inline(always)]
-fn sum_of<const N: usize, const REACH: usize, const FUSED: bool>(
-    terms: &[Term<'_>; N],
-    own: f64,
-    x: usize,
-    mut sum: f64,
-) -> f64 {
-    for term in terms {
-        let Term { sum: values, count, weights } = term;
-        let center = multiply_add::<FUSED>(-count, own, values[x + REACH]);
-        sum = multiply_add::<FUSED>(weights[0], center, sum);
-        for step in 1..=REACH {
-            let both = values[x + REACH - step] + values[x + REACH + step];
-            let difference = multiply_add::<FUSED>(-2.0 * count, own, both);
-            sum = multiply_add::<FUSED>(weights[step], difference, sum);
-        }
+fn sum_of<const N: usize>(lines: &[&[f64]; N], x: usize) -> f64 {
+    match N {
+        4 => (lines[0][x] + lines[1][x]) + (lines[2][x] + lines[3][x]),
+        2 => lines[0][x] + lines[1][x],
+        _ => lines[0][x],
     }
-    sum
 }
 
 /// Whether the processor has the wider vectors and fused multiplications (AVX2 and FMA) that the

@@ -45,23 +45,46 @@ impl Cost {
     }
 }
 
-/// Operations of the stencil of a choice that is a lattice: of the sum by classes of lines
-/// (`src/solver/lattice/kernel.rs`), far from edges.
-pub(super) fn stencil_operations(choice: &PathChoice) -> Option<f64> {
-    match choice {
-        PathChoice::List(_) => None,
-        PathChoice::Lattice(scene) => {
-            Some(scene.classes.iter().map(of_class).sum::<usize>() as f64)
-        }
-    }
+/// Operations of the stencil of a choice that is a lattice, far from edges: as the CPU factors the
+/// sum (`src/solver/lattice/kernel.rs`) or as the shaders write it out.
+pub(super) fn stencil_operations(choice: &PathChoice, machine: MachineKind) -> Option<f64> {
+    let PathChoice::Lattice(scene) = choice else {
+        return None;
+    };
+    let operations = match machine {
+        MachineKind::Cpu => factored(&scene.classes),
+        MachineKind::Gpu(_) => written_out(&scene.classes),
+    };
+    Some(operations as f64)
 }
 
-/// The lines of a class are added up once; then w (R - n C) in the middle has four operations, and
-/// w (R_lower + R_upper - 2 n C) at a step has five.
-fn of_class(class: &LineClass) -> usize {
-    let steps = class.weights[1..].iter().filter(|weight| **weight != 0.0).count();
-    let middle = if class.weights[0] == 0.0 { 0 } else { 4 };
-    class.lines.len() - 1 + middle + 5 * steps
+/// The lines of a class are added up (n - 1 operations) and n C is taken off (2); each weight adds
+/// its part (2). The class of the line itself has nothing to add up but for its weights, which are
+/// part of what follows: a step along x takes 2 for K C and 4 for both sides.
+fn factored(classes: &[LineClass]) -> usize {
+    let others = classes.iter().filter(|class| !is_own(class));
+    let of_class = |class: &LineClass| class.lines.len() + 1 + 2 * weights(class).count();
+    let reach = classes.iter().map(|class| class.weights.len() - 1).max().unwrap_or(0);
+    others.map(of_class).sum::<usize>() + 6 * reach
+}
+
+/// Differences (1 a neighbour) of one weight are added up (1), then multiplied by it (1).
+fn written_out(classes: &[LineClass]) -> usize {
+    let of_class = |class: &LineClass| {
+        let sides = |step: usize| if step == 0 { 1 } else { 2 };
+        weights(class).map(|step| 2 * class.lines.len() * sides(step) + 1).sum::<usize>()
+    };
+    classes.iter().map(of_class).sum()
+}
+
+/// Whether it is the line of the particle itself.
+fn is_own(class: &LineClass) -> bool {
+    class.lines == [[0, 0]]
+}
+
+/// The steps along x with a weight.
+fn weights(class: &LineClass) -> impl Iterator<Item = usize> + '_ {
+    (0..class.weights.len()).filter(|&step| class.weights[step] != 0.0)
 }
 
 #[cfg(test)]
@@ -73,7 +96,7 @@ mod tests {
     fn cost(path: PathWish, dimension: usize, support_ratio: f64, neighbors: f64) -> Cost {
         let problem = scene(1000, dimension, support_ratio);
         let choice = PathChoice::new(&problem, MachineKind::Cpu, path).expect("it is a lattice");
-        Cost::new(MachineKind::Cpu, neighbors, stencil_operations(&choice))
+        Cost::new(MachineKind::Cpu, neighbors, stencil_operations(&choice, MachineKind::Cpu))
     }
 
     #[test]
@@ -91,14 +114,19 @@ mod tests {
 
     #[test]
     fn a_stencil_takes_the_operations_of_its_classes() {
-        // Of the nine points of H/dx = 2 in 2-D: the line itself has a pair beside the middle (5),
-        // the class of the two others is added up (1) with middle (4) and pair (5); Euler's 2.
-        assert_eq!(cost(PathWish::Lattice, 2, 2.0, 8.0).operations, 17.0);
-        // In 3-D there are the line itself (5) and two classes of four lines (3 + 9 each).
-        assert_eq!(cost(PathWish::Lattice, 3, 2.0, 26.0).operations, 31.0);
-        let class = LineClass { lines: vec![[0, 0]], weights: vec![0.0, 2.0, 1.0] };
-        assert_eq!(of_class(&class), 10);
-        let shorter = LineClass { weights: vec![0.0, 2.0, 0.0], ..class };
-        assert_eq!(of_class(&shorter), 5, "a weight of 0 takes nothing");
+        // Of the nine points of H/dx = 2 in 2-D: two other lines are added up (1), less 2 C (2),
+        // with two weights (4); the step along x (6); Euler's 2.
+        assert_eq!(cost(PathWish::Lattice, 2, 2.0, 8.0).operations, 15.0);
+        // In 3-D there are two classes of four lines (3 + 2 + 4 each) and one step.
+        assert_eq!(cost(PathWish::Lattice, 3, 2.0, 26.0).operations, 26.0);
+        let problem = scene(1000, 3, 2.0);
+        let device = MachineKind::Gpu(Precision::F32);
+        let choice = PathChoice::new(&problem, device, PathWish::Lattice).expect("a lattice");
+        // 26 neighbours of five weights: one on the line itself, two in each class.
+        assert_eq!(stencil_operations(&choice, device), Some(2.0 * 26.0 + 5.0));
+        let mut classes = [LineClass { lines: vec![[0, 1]], weights: vec![3.0, 2.0, 1.0] }];
+        assert_eq!((factored(&classes), written_out(&classes)), (20, 13));
+        classes[0].weights[1] = 0.0;
+        assert_eq!((factored(&classes), written_out(&classes)), (18, 8));
     }
 }

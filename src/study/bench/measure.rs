@@ -55,7 +55,7 @@ impl Progressing {
         let started = Instant::now();
         let machine = self.machine.kind();
         let choice = PathChoice::new(problem, machine, self.series.path)?;
-        let stencil = stencil_operations(&choice);
+        let stencil = stencil_operations(&choice, machine);
         let watch = Stopwatch { started, least, particles: problem.particles.len() as f64 };
         let run = start(problem, &self.machine, choice, false, watch)??;
         let cost = Cost::new(machine, run.neighbors, stencil);

@@ -61,7 +61,9 @@ pub(super) fn why_too_many(
         return Some(format!("indices are 32 bits: at most {} particles", grouped(MOST_PARTICLES)));
     }
     let field = particles * machine.kind().precision().bytes();
-    if let Some(most) = machine.most_field_bytes().filter(|most| field > *most) {
+    // A lattice's state may lie in several buffers.
+    let most = machine.most_field_bytes().filter(|_| series.path != PathWish::Lattice);
+    if let Some(most) = most.filter(|most| field > *most) {
         let (field, most) = (bytes(field), bytes(most));
         return Some(format!("a state takes {field}, and the adapter binds at most {most}"));
     }

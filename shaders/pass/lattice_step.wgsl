@@ -1,0 +1,14 @@
+// One explicit Euler step of a part of a lattice, the report's (115).
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn lattice_step(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let site = part.first_site + flat_index(group, groups, lane);
+    if site < part.end_site {
+        let own = own_value(site);
+        after[site - part.first_site] = own + step_size.over_reference * stencil_sum(site, own);
+    }
+}

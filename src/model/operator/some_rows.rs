@@ -1,0 +1,170 @@
+//! The rows of some particles alone, for scenes where a stencil is the row of all others.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::fold::RowFold;
+use super::row_block::RowBlock;
+use super::rows::{Part, Survey, Walk};
+use super::wall_rows::WallRowsBuilder;
+use super::{PairWeight, WallRows};
+use crate::model::Problem;
+use crate::model::neighbors::Neighbor;
+
+/// Rows that one task assembles, and one block holds.
+const ROWS_PER_TASK: usize = 2048;
+
+/// A rank without a row of walls.
+const NONE: u32 = u32::MAX;
+
+/// A particle whose surroundings are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visit {
+    /// Its rank.
+    pub rank: u32,
+    /// Whether its row is stored, and not only what walls add beyond weights and diagonal.
+    pub whole: bool,
+}
+
+/// Rows of some ranks, and what walls add to these and others.
+///
+/// Held particles have empty rows, and others kept apart, as in [`super::rows::Rows`].
+#[derive(Clone, Debug, Default)]
+pub struct SomeRows {
+    /// Ranks of the rows, ascending.
+    rank: Vec<u32>,
+    /// The rows, block after block.
+    blocks: Vec<RowBlock>,
+    /// The first row of each block.
+    first: Vec<usize>,
+    held: RowBlock,
+    held_rank: Vec<u32>,
+    walls: WallRows,
+    /// Which row of walls belongs to each row.
+    wall_row: Vec<u32>,
+    /// How many ranks there are.
+    count: usize,
+}
+
+impl SomeRows {
+    /// Assembles the rows of `visits`, whose ranks ascend, and surveys those that are stored; of the
+    /// others the survey has only what walls tell. `order` is the particle at each rank;
+    /// `neighbors(rank, out)` writes all particles within a particle's support.
+    pub fn assemble(
+        problem: &Problem,
+        order: &[u32],
+        visits: &[Visit],
+        neighbors: impl Fn(u32, &mut Vec<Neighbor>) + Sync,
+    ) -> (Survey, Self) {
+        let weight = PairWeight::new(problem);
+        let walk = Walk::new(problem, order, &weight);
+        let visit = |visits: &[Visit]| {
+            let (mut part, mut found, mut fold) = (Part::default(), Vec::new(), RowFold::default());
+            for visit in visits {
+                found.clear();
+                neighbors(visit.rank, &mut found);
+                let row = walk.row(visit.rank as usize, &found, &mut fold);
+                if visit.whole {
+                    walk.note(&row, true, &mut part);
+                } else {
+                    part.keep_source(problem, &row);
+                }
+            }
+            part.free.shrink();
+            part
+        };
+        let parts: Vec<Part> = visits.par_chunks(ROWS_PER_TASK).map(visit).collect();
+        let whole = visits.iter().filter(|visit| visit.whole).map(|visit| visit.rank);
+        let mut rows = Self { rank: whole.collect(), count: order.len(), ..Self::default() };
+        let (mut survey, mut walls) = (Survey::EMPTY, WallRowsBuilder::default());
+        let mut first = 0;
+        for part in parts {
+            survey = survey.merge(part.survey);
+            rows.first.push(first);
+            first += part.free.len();
+            rows.blocks.push(part.free);
+            rows.held.append(&part.held);
+            rows.held_rank.extend(part.held_rank);
+            walls.append(part.walls);
+        }
+        rows.walls = walls.finish(problem);
+        let walls = rows.walls.rank();
+        let wall_row = |rank: &u32| walls.binary_search(rank).map_or(NONE, |row| row as u32);
+        rows.wall_row = rows.rank.iter().map(wall_row).collect();
+        (survey, rows)
+    }
+
+    /// Ranks of the stored rows, ascending.
+    pub fn rank(&self) -> &[u32] {
+        &self.rank
+    }
+
+    /// What walls add to these rows and to others.
+    pub fn walls(&self) -> &WallRows {
+        &self.walls
+    }
+
+    /// Calls `write(rank, rate)` for every stored row whose rank is in `ranks`, with the rate of
+    /// [`super::rows::Rows::apply`]. An empty `source` stands for zeros.
+    ///
+    /// # Panics
+    /// If `state` has another length than there are ranks.
+    pub fn rates(
+        &self,
+        ranks: &Range<usize>,
+        state: &[f64],
+        source: &[f64],
+        mut write: impl FnMut(usize, f64),
+    ) {
+        assert_eq!(state.len(), self.count, "one value a rank");
+        let mut rows = within(&self.rank, ranks);
+        let mut block = self.first.partition_point(|&first| first <= rows.start);
+        while !rows.is_empty() {
+            let first = self.first[block - 1];
+            let end = self.first.get(block).map_or(rows.end, |&next| next.min(rows.end));
+            for row in rows.start..end {
+                let rank = self.rank[row] as usize;
+                let own = state[rank];
+                let rate = self.blocks[block - 1].rate(row - first, own, state);
+                let by_walls = match self.wall_row[row] {
+                    NONE => 0.0,
+                    wall => self.by_walls(wall as usize, own, source),
+                };
+                write(rank, rate + by_walls);
+            }
+            rows.start = end;
+            block += 1;
+        }
+    }
+
+    fn by_walls(&self, wall: usize, own: f64, source: &[f64]) -> f64 {
+        self.walls.diagonal()[wall] * own + source.get(wall).copied().unwrap_or(0.0)
+    }
+
+    /// What the held particles with ranks in `ranks` would gain a second from those that are not.
+    ///
+    /// # Panics
+    /// If `state` has another length than there are ranks.
+    pub fn held_rate(&self, ranks: &Range<usize>, state: &[f64]) -> f64 {
+        assert_eq!(state.len(), self.count, "one value a rank");
+        let held = within(&self.held_rank, ranks);
+        held.map(|row| self.held.rate(row, state[self.held_rank[row] as usize], state)).sum()
+    }
+
+    /// Bytes that the rows hold.
+    pub fn memory_bytes(&self) -> usize {
+        let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
+        let ranks =
+            [&self.rank, &self.held_rank, &self.wall_row].map(|ranks| size_of_val(&**ranks));
+        let first = size_of_val(&*self.first);
+        let ranks: usize = ranks.iter().sum();
+        blocks + self.held.memory_bytes() + ranks + first + self.walls.memory_bytes()
+    }
+}
+
+/// Which of `ranks`, which ascend, are in `range`.
+pub fn within(ranks: &[u32], range: &Range<usize>) -> Range<usize> {
+    let place = |rank: usize| ranks.partition_point(|&r| (r as usize) < rank);
+    place(range.start)..place(range.end)
+}

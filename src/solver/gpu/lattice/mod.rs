@@ -1,0 +1,304 @@
+//! Lattices on the device: no list, no positions. A step is one dispatch over all sites, and where
+//! particles are held or walls impose something, a small second one over those sites alone.
+
+mod source;
+
+use std::ops::Range;
+
+use super::GpuOptions;
+use super::operator::{Fields, Makes};
+use super::passes::{NO_SLOT, WallTerms};
+use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
+use crate::model::lattice::{Edge, End, LatticeScene};
+use crate::model::operator::{WallNeeds, WallRows};
+use crate::solver::plan::Needs;
+
+use source::Sites;
+pub use source::{PART, StencilSource};
+
+/// The stencil of a lattice on the device.
+#[derive(Debug)]
+pub(super) struct Lattice {
+    source: StencilSource,
+    parts: Vec<Part>,
+    /// Factors of ghosts, by end and layer.
+    edge_factor: Buffer,
+    /// Sites to each neighbour, with its weight.
+    entry: Buffer,
+    /// Site, slot of a wall, and place among the held, of each site where more than the stencil acts;
+    /// only where there is one.
+    exception: Option<Buffer>,
+}
+
+/// Sites whose values are in one buffer.
+#[derive(Debug)]
+struct Part {
+    sites: Range<usize>,
+    exceptions: Range<usize>,
+    /// The parts that its stencils reach: before and behind it.
+    beside: [usize; 2],
+    block: Buffer,
+}
+
+impl Lattice {
+    /// The lattice `scene` with held sites `held` (ascending), and walls that add `walls` at its
+    /// sites; weights are relative to `reference_step` (s).
+    pub(super) fn new(
+        device: &Device,
+        scene: &LatticeScene,
+        held: &[u32],
+        walls: &WallRows,
+        reference_step: f64,
+        options: GpuOptions,
+    ) -> Result<Self, GpuError> {
+        let real = options.precision.real();
+        let most = options.most_bytes(device) / real.size() as u64;
+        let parts = parts(scene, most).map_err(|needed| GpuError::TooLarge {
+            what: "the layers of a lattice that a stencil reaches".to_owned(),
+            needed: needed * real.size() as u64,
+            available: most * real.size() as u64,
+        })?;
+        let (periodic, mirrors) = source::ends(scene);
+        let source = StencilSource {
+            counts: scene.counts,
+            reach: scene.reach,
+            dimension: scene.dimension,
+            periodic,
+            mirrors,
+            entries: source::entries(scene, reference_step),
+            is_split: parts.len() > 1,
+            held: !held.is_empty(),
+            walls: WallTerms::of(walls),
+            precision: options.precision,
+            workgroup_size: options.workgroup_size,
+        };
+        let exceptions = exceptions(held, walls.rank());
+        let exception = match exceptions.is_empty() {
+            true => None,
+            false => Some(device.storage_with("exceptions", bytemuck::cast_slice(&exceptions))?),
+        };
+        let part = |k: usize| Part::new(device, real, &parts, k, &exceptions);
+        Ok(Self {
+            parts: (0..parts.len()).map(part).collect::<Result<_, _>>()?,
+            edge_factor: device.storage_with("ghosts", &real.to_bytes(&edge_factors(scene)))?,
+            entry: device.storage_with("stencil", &real.to_bytes(&entry_contents(&source)))?,
+            exception,
+            source,
+        })
+    }
+
+    pub(super) fn real(&self) -> Real {
+        self.source.real()
+    }
+
+    pub(super) fn workgroup_size(&self) -> u32 {
+        self.source.workgroup_size
+    }
+
+    /// The sites of each buffer of a state.
+    pub(super) fn parts(&self) -> Vec<Range<usize>> {
+        self.parts.iter().map(|part| part.sites.clone()).collect()
+    }
+
+    /// The passes of all parts; those over exceptions come after all others.
+    pub(super) fn passes(
+        &self,
+        device: &Device,
+        makes: Makes,
+        fields: &Fields<'_>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        let mut passes = Vec::new();
+        for sites in [Sites::All, Sites::Exceptions] {
+            let source = self.source.pass(sites, makes);
+            for (k, part) in self.parts.iter().enumerate() {
+                let threads = match sites {
+                    Sites::All => part.sites.len(),
+                    Sites::Exceptions => part.exceptions.len(),
+                };
+                if threads > 0 {
+                    let buffers = self.buffers(k, sites, makes, fields);
+                    passes.push(device.pass(&source, &buffers, threads as u64)?);
+                }
+            }
+        }
+        Ok(passes)
+    }
+
+    /// The buffers of a pass on part `k`, in the order of its bindings.
+    fn buffers<'a>(
+        &'a self,
+        k: usize,
+        sites: Sites,
+        makes: Makes,
+        fields: &'a Fields<'a>,
+    ) -> Vec<&'a Buffer> {
+        let part = &self.parts[k];
+        let mut buffers = vec![&part.block, &fields.from[k]];
+        if self.source.is_split {
+            buffers.extend(part.beside.map(|other| &fields.from[other]));
+        }
+        buffers.extend([&fields.to[k], &self.edge_factor, &self.entry]);
+        if sites == Sites::Exceptions {
+            buffers.extend(&self.exception);
+            buffers.extend(fields.exchange);
+            buffers.extend(fields.walls());
+        }
+        if makes == Makes::Step {
+            buffers.push(fields.step_size);
+        }
+        buffers
+    }
+
+    /// Bytes on the device.
+    pub(super) fn bytes(&self) -> u64 {
+        let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
+        let exception = self.exception.as_ref().map_or(0, Buffer::bytes);
+        self.edge_factor.bytes() + self.entry.bytes() + exception + blocks
+    }
+}
+
+impl Part {
+    /// Part `k` of `parts`.
+    fn new(
+        device: &Device,
+        real: Real,
+        parts: &[Range<usize>],
+        k: usize,
+        exceptions: &[[u32; 4]],
+    ) -> Result<Self, GpuError> {
+        let sites = parts[k].clone();
+        let place = |site: usize| exceptions.partition_point(|e| (e[0] as usize) < site);
+        let exceptions = place(sites.start)..place(sites.end);
+        // Round the ends: what is there counts on periodic axes, and else is not asked for.
+        let beside = [(k + parts.len() - 1) % parts.len(), (k + 1) % parts.len()];
+        let [below, above] = beside.map(|other| &parts[other]);
+        let counts = [
+            sites.start,
+            sites.end,
+            below.start,
+            below.end,
+            above.start,
+            exceptions.start,
+            exceptions.end,
+        ];
+        let contents = PART.contents(real, counts.map(|count| count as u32), []);
+        Ok(Self { sites, exceptions, beside, block: device.block("part", &contents)? })
+    }
+}
+
+/// The passes of a step, in order.
+pub fn step_passes(needs: Needs) -> Vec<&'static str> {
+    let mut passes = vec!["lattice_step"];
+    if needs.held || needs.walls >= WallNeeds::Steady {
+        passes.push("exception_step");
+    }
+    passes.push("finite");
+    passes
+}
+
+/// What the exchange of held particles is counted in: for each, what ghosts add to its diagonal a
+/// reference step, and what it has given.
+pub(super) fn held_contents(scene: &LatticeScene, held: &[u32], reference_step: f64) -> Vec<f64> {
+    let diagonal = |&site: &u32| reference_step * scene.ghost_diagonal(site as usize);
+    held.iter().flat_map(|site| [diagonal(site), 0.0]).collect()
+}
+
+/// Parts of at most `most` sites: whole layers across the last axis, as even as can be, and each as
+/// thick as the stencil reaches, so that it reaches no further than the next part.
+///
+/// # Errors
+/// The least sites of a part, where that is more.
+fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
+    let last = scene.dimension - 1;
+    let layers = scene.counts[last];
+    let layer: usize = scene.counts[..last].iter().product();
+    let least = scene.reach.max(1);
+    let thickest = usize::try_from(most / layer as u64).unwrap_or(usize::MAX);
+    let count = layers.div_ceil(thickest.max(1));
+    if count > 1 && (thickest < least || layers / count < least) {
+        return Err((least * layer) as u64);
+    }
+    let start = |k: usize| k * layers / count * layer;
+    Ok((0..count).map(|k| start(k)..start(k + 1)).collect())
+}
+
+/// Site, slot and place among the held of each site that has one of these, ascending.
+fn exceptions(held: &[u32], walls: &[u32]) -> Vec<[u32; 4]> {
+    let mut list: Vec<[u32; 4]> = Vec::with_capacity(held.len() + walls.len());
+    let held = (0..).zip(held).map(|(place, &site)| [site, NO_SLOT, place, 0]);
+    let walls = (0..).zip(walls).map(|(slot, &site)| [site, slot, NO_SLOT, 0]);
+    let mut all: Vec<[u32; 4]> = held.chain(walls).collect();
+    all.sort_unstable_by_key(|exception| exception[0]);
+    for next in all {
+        match list.last_mut().filter(|last| last[0] == next[0]) {
+            // Absent ones are the largest number.
+            Some(last) => *last = [last[0], last[1].min(next[1]), last[2].min(next[2]), 0],
+            None => list.push(next),
+        }
+    }
+    list
+}
+
+/// The factor of every layer of ghosts, by end; 0 where there are none.
+fn edge_factors(scene: &LatticeScene) -> Vec<f64> {
+    let none = || vec![0.0; scene.reach];
+    let of_end = |end: &End| match end {
+        End::Free => none(),
+        End::Mirror(factors) => factors.clone(),
+    };
+    let of_edge = |edge: &Edge| match edge {
+        Edge::Periodic => [none(), none()],
+        Edge::Open(ends) => ends.each_ref().map(of_end),
+    };
+    scene.edges.iter().flat_map(of_edge).flatten().collect()
+}
+
+/// Sites along x, y and z to each neighbour, and its weight; one of weight 0 where there is none.
+fn entry_contents(source: &StencilSource) -> Vec<f64> {
+    let entry =
+        |([x, y, z], weight): &([isize; 3], f64)| [*x as f64, *y as f64, *z as f64, *weight];
+    match source.entries.is_empty() {
+        true => vec![0.0; 4],
+        false => source.entries.iter().flat_map(entry).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(counts: [usize; 3], dimension: usize, reach: usize) -> LatticeScene {
+        LatticeScene {
+            counts,
+            dimension,
+            order: None,
+            edges: [const { Edge::Periodic }; 3],
+            reach,
+            classes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn parts_are_whole_layers_as_thick_as_the_stencil() {
+        let box_of = scene([4, 5, 7], 3, 2);
+        assert_eq!(parts(&box_of, 140), Ok(std::iter::once(0..140).collect()));
+        assert_eq!(parts(&box_of, 139), Ok(vec![0..60, 60..140]));
+        assert_eq!(parts(&box_of, 60), Ok(vec![0..40, 40..80, 80..140]));
+        assert_eq!(
+            parts(&box_of, 59),
+            Err(40),
+            "three layers of seven left over, of which one is 1"
+        );
+        assert_eq!(parts(&box_of, 19), Err(40));
+        assert_eq!(parts(&scene([10, 1, 1], 1, 1), 4), Ok(vec![0..3, 3..6, 6..10]));
+        assert_eq!(parts(&scene([3, 4, 1], 2, 1), 6), Ok(vec![0..6, 6..12]));
+    }
+
+    #[test]
+    fn a_site_that_is_held_and_walled_is_one_exception() {
+        let found = exceptions(&[3, 7], &[2, 7, 9]);
+        let none = NO_SLOT;
+        let expected = [[2, 0, none, 0], [3, none, 0, 0], [7, 1, 1, 0], [9, 2, none, 0]];
+        assert_eq!(found, expected);
+    }
+}

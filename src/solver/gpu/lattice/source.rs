@@ -1,0 +1,232 @@
+//! The shaders of a lattice: its numbers are part of their text, so that the compiler sees them.
+
+use std::fmt::Write;
+
+use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource, Real};
+use crate::model::lattice::{Edge, End, LatticeScene};
+use crate::solver::Precision;
+use crate::solver::gpu::operator::Makes;
+use crate::solver::gpu::passes::{NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, block, read, write};
+
+/// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
+pub static PART: BlockLayout = BlockLayout {
+    name: "Part",
+    counts: &[
+        "first_site",
+        "end_site",
+        "below_first",
+        "below_end",
+        "above_first",
+        "first_exception",
+        "end_exception",
+    ],
+    reals: &[],
+};
+
+/// The most neighbours whose sum is written out. A longer one is a loop, which compiles faster.
+const WRITTEN_OUT: usize = 128;
+
+/// What the shaders of a lattice follow from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StencilSource {
+    /// Particles along each axis.
+    pub counts: [usize; 3],
+    /// How many sites the stencil reaches along an axis.
+    pub reach: usize,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Which axes are periodic.
+    pub periodic: [bool; 3],
+    /// Bit 2 axis + (1 if upper) is set for ends with ghosts.
+    pub mirrors: u32,
+    /// Sites to each neighbour and its weight a reference step; those of one weight together.
+    pub entries: Vec<([isize; 3], f64)>,
+    /// Whether the state is in parts.
+    pub is_split: bool,
+    /// Whether some particles keep their value.
+    pub held: bool,
+    /// What walls add to a step.
+    pub walls: WallTerms,
+    /// The precision.
+    pub precision: Precision,
+    /// Invocations a workgroup.
+    pub workgroup_size: u32,
+}
+
+/// Which sites a pass works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sites {
+    /// All of a part.
+    All,
+    /// Those where more than the stencil acts.
+    Exceptions,
+}
+
+impl StencilSource {
+    /// Every pass.
+    pub fn all(&self) -> Vec<PassSource> {
+        let of = |sites| [Makes::Step, Makes::Rate].map(|makes| self.pass(sites, makes));
+        [Sites::All, Sites::Exceptions].into_iter().flat_map(of).collect()
+    }
+
+    /// What `real` means in the shaders.
+    pub(super) fn real(&self) -> Real {
+        self.precision.real()
+    }
+
+    /// The pass over some sites of a part.
+    pub(super) fn pass(&self, sites: Sites, makes: Makes) -> PassSource {
+        let mut bindings = vec![block("part", &PART), read("before", Element::Real)];
+        let state = if self.is_split {
+            bindings.extend(["below", "above"].map(|name| read(name, Element::Real)));
+            "lattice/split"
+        } else {
+            "lattice/whole"
+        };
+        bindings.extend([
+            write("after", Element::Real),
+            read("edge_factor", Element::Real),
+            read("entry", Element::Real4),
+        ]);
+        let mut slots = vec![state, "lattice/site"];
+        if sites == Sites::Exceptions {
+            slots.extend(self.exceptions(&mut bindings));
+        }
+        if makes == Makes::Step {
+            bindings.push(block("step_size", &STEP_SIZE));
+        }
+        let pass = match (sites, makes) {
+            (Sites::All, Makes::Step) => "lattice_step",
+            (Sites::All, Makes::Rate) => "lattice_rate",
+            (Sites::Exceptions, Makes::Step) => "exception_step",
+            (Sites::Exceptions, Makes::Rate) => "exception_rate",
+        };
+        PassSource {
+            pass,
+            real: self.real(),
+            workgroup_size: self.workgroup_size,
+            constants: self.constants(),
+            bindings,
+            slots: slots.into_iter().map(str::to_owned).collect(),
+            generated: self.interior_sum(),
+        }
+    }
+
+    /// The slots of exceptions; their buffers go to `bindings`.
+    fn exceptions(&self, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
+        bindings.push(read("exception", Element::U32x4));
+        let mut slots = vec!["lattice/exceptions"];
+        if self.held {
+            bindings.push(write("held", Element::Real2));
+            slots.push("lattice/some_held");
+        } else {
+            slots.push("lattice/all_free");
+        }
+        bindings.extend(self.walls.bindings());
+        slots.extend(self.walls.slots());
+        slots
+    }
+
+    fn constants(&self) -> Vec<(&'static str, Constant)> {
+        let count = |n: usize| Constant::Count(n as u32);
+        let reach_along = |axis| count(if axis < self.dimension { self.reach } else { 0 });
+        vec![
+            ("NX", count(self.counts[0])),
+            ("NY", count(self.counts[1])),
+            ("NZ", count(self.counts[2])),
+            ("REACH", count(self.reach)),
+            ("REACH_Y", reach_along(1)),
+            ("REACH_Z", reach_along(2)),
+            ("PERIODIC_X", Constant::Flag(self.periodic[0])),
+            ("PERIODIC_Y", Constant::Flag(self.periodic[1])),
+            ("PERIODIC_Z", Constant::Flag(self.periodic[2])),
+            ("MIRRORS", Constant::Count(self.mirrors)),
+            ("NO_SLOT", Constant::Count(NO_SLOT)),
+            ("SOURCE_STEPS", Constant::Count(SOURCE_STEPS)),
+        ]
+    }
+
+    /// The sum away from every end, with distances between sites as numbers. Neighbours on opposite
+    /// sides are added first, then those of one weight.
+    fn interior_sum(&self) -> String {
+        let mut text = String::from("fn interior_sum(site: u32, own: real) -> real {\n");
+        text.push_str("    var sum = real(0.0);\n");
+        if self.entries.len() > WRITTEN_OUT {
+            text.push_str(LOOP);
+        } else {
+            for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
+                self.write_group(group, &mut text);
+            }
+        }
+        text.push_str("    return sum;\n}\n\n");
+        text
+    }
+
+    /// The terms of one weight.
+    fn write_group(&self, group: &[([isize; 3], f64)], text: &mut String) {
+        let [nx, ny, _] = self.counts.map(|count| count as isize);
+        let distances = group.iter().map(|([x, y, z], _)| (z * ny + y) * nx + x);
+        let (mut first, weight) = (true, self.real().literal(group[0].1));
+        // Each stands for the neighbour on the other side as well.
+        for distance in distances.filter(|&distance| distance > 0) {
+            let sign = if first { "" } else { " + " };
+            let opening = if first { format!("    sum += {weight} * (") } else { String::new() };
+            // Writing to a String cannot fail.
+            let _ = write!(
+                text,
+                "{opening}{sign}((value_at(site - {distance}u) - own) + (value_at(site + \
+                 {distance}u) - own))"
+            );
+            first = false;
+        }
+        if !first {
+            text.push_str(");\n");
+        }
+    }
+}
+
+/// The sum as a loop over the buffer of entries.
+const LOOP: &str = "    for (var k = 0u; k < arrayLength(&entry); k++) {
+        let further = (i32(entry[k].z) * i32(NY) + i32(entry[k].y)) * i32(NX) + i32(entry[k].x);
+        sum += entry[k].w * (value_at(u32(i32(site) + further)) - own);
+    }
+";
+
+/// Whether each axis is periodic, and the ends with ghosts as bits.
+pub(super) fn ends(scene: &LatticeScene) -> ([bool; 3], u32) {
+    let mut mirrors = 0;
+    for (axis, edge) in scene.edges.iter().enumerate() {
+        let Edge::Open(ends) = edge else { continue };
+        for (upper, end) in ends.iter().enumerate() {
+            if matches!(end, End::Mirror(_)) {
+                mirrors |= 1 << (2 * axis + upper);
+            }
+        }
+    }
+    ([0, 1, 2].map(|axis| scene.edges[axis] == Edge::Periodic), mirrors)
+}
+
+/// Sites to each neighbour and its weight times `scale`, by distance.
+pub(super) fn entries(scene: &LatticeScene, scale: f64) -> Vec<([isize; 3], f64)> {
+    let mut entries = Vec::new();
+    for class in &scene.classes {
+        for &[y, z] in &class.lines {
+            let reach = class.weights.len() as isize - 1;
+            for x in -reach..=reach {
+                let weight = class.weights[x.unsigned_abs()];
+                if weight != 0.0 {
+                    entries.push(([x, y, z], scale * weight));
+                }
+            }
+        }
+    }
+    let squared = |[x, y, z]: [isize; 3]| x * x + y * y + z * z;
+    entries.sort_by_key(|&(steps, _)| squared(steps));
+    // One weight a distance: those of equal ones may differ in their last bit.
+    for k in 1..entries.len() {
+        if squared(entries[k].0) == squared(entries[k - 1].0) {
+            entries[k].1 = entries[k - 1].1;
+        }
+    }
+    entries
+}

@@ -1,0 +1,128 @@
+//! The operator on the device, behind the passes of a step.
+
+use std::ops::Range;
+
+use super::lattice::Lattice;
+use super::list::{Chunk, List};
+use super::passes::Choices;
+use super::walls::WallSlots;
+use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
+
+/// What rates come from.
+#[derive(Debug)]
+pub(super) enum Operator {
+    /// A stored list of neighbours.
+    List { list: List, choices: Choices },
+    /// The stencil of a lattice.
+    Lattice(Lattice),
+}
+
+/// What the passes over all particles make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Makes {
+    /// The state after an explicit Euler step.
+    Step,
+    /// Rates.
+    Rate,
+}
+
+/// What these passes read and write.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fields<'a> {
+    /// The parts of the state.
+    pub(super) from: &'a [Buffer],
+    /// Where the result goes, in the same parts.
+    pub(super) to: &'a [Buffer],
+    /// What held particles have given; only where there is one.
+    pub(super) exchange: Option<&'a Buffer>,
+    /// The rows to which walls add more than weights; only where there is one.
+    pub(super) walls: Option<&'a WallSlots>,
+    /// The step over the reference step.
+    pub(super) step_size: &'a Buffer,
+}
+
+impl Fields<'_> {
+    /// The buffers of walls, in the order of their bindings.
+    pub(super) fn walls(&self) -> impl Iterator<Item = &Buffer> {
+        self.walls.into_iter().flat_map(|walls| [&walls.wall, &walls.source])
+    }
+}
+
+impl Operator {
+    /// What `real` means in its shaders.
+    pub(super) fn real(&self) -> Real {
+        match self {
+            Self::List { choices, .. } => choices.real(),
+            Self::Lattice(lattice) => lattice.real(),
+        }
+    }
+
+    /// Invocations a workgroup.
+    pub(super) fn workgroup_size(&self) -> u32 {
+        match self {
+            Self::List { choices, .. } => choices.workgroup_size,
+            Self::Lattice(lattice) => lattice.workgroup_size(),
+        }
+    }
+
+    /// The values of each buffer that a state is split into, of `count` in all.
+    pub(super) fn parts(&self, count: usize) -> Vec<Range<usize>> {
+        match self {
+            Self::List { .. } => std::iter::once(0..count).collect(),
+            Self::Lattice(lattice) => lattice.parts(),
+        }
+    }
+
+    /// The passes over all particles, in order.
+    pub(super) fn passes(
+        &self,
+        device: &Device,
+        makes: Makes,
+        fields: &Fields<'_>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        match self {
+            Self::List { list, choices } => {
+                let pass = |chunk| list_pass(device, choices, list, chunk, makes, fields);
+                list.chunks.iter().map(pass).collect()
+            }
+            Self::Lattice(lattice) => lattice.passes(device, makes, fields),
+        }
+    }
+
+    /// Bytes on the device.
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::List { list, .. } => list.bytes(),
+            Self::Lattice(lattice) => lattice.bytes(),
+        }
+    }
+}
+
+fn list_pass(
+    device: &Device,
+    choices: &Choices,
+    list: &List,
+    chunk: &Chunk,
+    makes: Makes,
+    fields: &Fields<'_>,
+) -> Result<Pass, GpuError> {
+    let mut buffers = vec![
+        &chunk.block,
+        &list.row_length,
+        &list.slice_start,
+        &chunk.neighbor,
+        &chunk.weight,
+        &fields.from[0],
+        &fields.to[0],
+    ];
+    buffers.extend(fields.exchange);
+    buffers.extend(fields.walls());
+    let source = match makes {
+        Makes::Rate => choices.rate(),
+        Makes::Step => {
+            buffers.push(fields.step_size);
+            choices.step()
+        }
+    };
+    device.pass(&source, &buffers, chunk.row_count())
+}

@@ -1,0 +1,205 @@
+//! Lattices on the GPU against the list path of the CPU: rates, fields, exchange, parts.
+
+use diffusph::model::lattice::LatticeScene;
+use diffusph::model::operator::rows::{cell_grid, survey};
+use diffusph::model::{KernelKind, Problem};
+use diffusph::solver::cpu::CpuBackend;
+use diffusph::solver::gpu::{GpuBackend, GpuOptions};
+use diffusph::solver::{Backend, Precision};
+use diffusph::study;
+use serde_json::{Value, json};
+
+use scenes::{COUNTS, boundaries, difference, scene};
+use support::device;
+
+#[path = "lattice_path/scenes.rs"]
+mod scenes;
+#[expect(dead_code, reason = "the tests of the passes use the rest")]
+#[path = "gpu_passes/support.rs"]
+mod support;
+
+/// Steps of a run: more than the device holds changing sources for at once.
+const STEPS: u64 = 70;
+
+fn epsilon(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F64 => f64::EPSILON,
+    }
+}
+
+/// The stable step, s, and the most neighbours.
+fn step(problem: &Problem) -> (f64, usize) {
+    let survey = survey(problem, &cell_grid(problem));
+    (0.9 / survey.rate_bound, survey.most_neighbors)
+}
+
+fn gpu(problem: &Problem, options: GpuOptions) -> GpuBackend {
+    let scene = LatticeScene::of(problem).expect("a lattice");
+    let (walls, _) = study::lattice_walls(problem, &scene).expect("good walls");
+    let (dt, _) = step(problem);
+    GpuBackend::lattice(problem, &scene, walls, dt, device(), options).expect("backend")
+}
+
+/// What two machines may differ by in the field and in the exchange over the total, after some
+/// steps: a step is a mean of old values, so that roundings add up and do not grow.
+fn allowed(problem: &Problem, precision: Precision) -> f64 {
+    let (_, neighbors) = step(problem);
+    match precision {
+        // The list and the lattice are to agree as they do on the CPU.
+        Precision::F64 => 1e-13,
+        Precision::F32 => (64.0 + neighbors as f64) * STEPS as f64 * epsilon(precision),
+    }
+}
+
+/// How far rates, fields and exchange are apart, each over what is allowed.
+fn apart(on_list: &Problem, on_lattice: &Problem, precision: Precision) -> [f64; 3] {
+    let (dt, neighbors) = step(on_list);
+    let mut here = CpuBackend::of(on_list);
+    let mut there = gpu(on_lattice, GpuOptions::new(precision));
+    let (a, b) = (here.rate(0.3 * dt).expect("rate"), there.rate(0.3 * dt).expect("rate"));
+    // Two machines, and up to four roundings of a term, which is a weight times up to twice 310.
+    let terms = 620.0 / dt + a.as_ref().iter().fold(0.0, |m: f64, rate| m.max(rate.abs()));
+    let roundings = (2 * (neighbors + 64)) as f64 * epsilon(precision);
+    let rates = a.as_ref().iter().zip(b.as_ref()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    here.euler(0.0, dt, STEPS).expect("steps");
+    there.euler(0.0, dt, STEPS).expect("steps");
+    let (a, b) = (here.read().expect("read"), there.read().expect("read"));
+    let total: f64 = on_list.particles.volume.iter().sum::<f64>() * 300.0;
+    let exchange = here.exchange().expect("exchange") - there.exchange().expect("exchange");
+    let allowed = allowed(on_list, precision);
+    [
+        rates / (roundings * terms),
+        difference(a.as_ref(), b.as_ref()) / allowed,
+        exchange.abs() / total / allowed,
+    ]
+}
+
+fn assert_agreement(problem: &Problem, name: &str) {
+    for precision in Precision::ALL {
+        let apart = apart(problem, problem, precision);
+        let within = apart.iter().all(|part| *part <= 1.0);
+        assert!(within, "{name} {precision:?}: rates, fields, exchange {apart:?}");
+    }
+}
+
+#[test]
+fn every_boundary_agrees_in_every_dimension() {
+    for dimension in 1..=3 {
+        for boundaries in boundaries(dimension) {
+            let name = format!("{dimension}-D {boundaries}");
+            let counts = COUNTS[dimension - 1];
+            assert_agreement(
+                &scene(KernelKind::CubicSpline, 2.0, counts, boundaries).problem,
+                &name,
+            );
+        }
+    }
+}
+
+#[test]
+fn every_kernel_and_support_agrees() {
+    let open = |axis: &str| {
+        json!([
+            { "wall": { "faces": [format!("{axis}_min")], "kind": { "value": "300 + 9*t" } } },
+            { "wall": { "faces": [format!("{axis}_max")], "kind": "insulated" } }
+        ])
+    };
+    for kernel in KernelKind::ALL {
+        for dimension in (1..=3).filter(|&d| kernel.is_defined_in(d)) {
+            let problem = scene(kernel, 2.4, COUNTS[dimension - 1], open("x")).problem;
+            assert_agreement(&problem, &format!("{kernel:?} {dimension}-D"));
+        }
+    }
+    // The widest has more neighbours than are written out.
+    for support_ratio in [1.5, 3.0, 3.7, 4.4] {
+        let problem = scene(KernelKind::WendlandC2, support_ratio, COUNTS[2], open("z")).problem;
+        assert_agreement(&problem, &format!("{support_ratio}"));
+    }
+}
+
+#[test]
+fn one_changed_value_or_weight_is_noticed() {
+    let problem = scene(KernelKind::CubicSpline, 2.0, COUNTS[2], boundaries(3).remove(2)).problem;
+    for precision in Precision::ALL {
+        let mut changed = problem.clone();
+        let size = 8.0 * allowed(&problem, precision);
+        changed.initial[500] *= 1.0 + 1e3 * size;
+        assert!(apart(&problem, &changed, precision)[1] > 1.0, "{precision:?} value");
+        let mut changed = problem.clone();
+        changed.materials[0].diffusivity *= 1.0 + 1e3 * size;
+        assert!(apart(&problem, &changed, precision)[0] > 1.0, "{precision:?} weight");
+    }
+}
+
+#[test]
+fn an_order_of_particles_other_than_that_of_sites_makes_no_difference() {
+    let mut problem =
+        scene(KernelKind::CubicSpline, 2.0, COUNTS[2], boundaries(3).remove(3)).problem;
+    let count = problem.particles.len() as u32;
+    problem.particles.position.reverse();
+    problem.initial.reverse();
+    problem.held = problem.held.iter().rev().map(|particle| count - 1 - particle).collect();
+    assert!(LatticeScene::of(&problem).expect("a lattice").order.is_some());
+    assert_agreement(&problem, "reversed");
+}
+
+/// Field, exchange and number of parts after some steps.
+fn outcome(problem: &Problem, options: GpuOptions) -> (Vec<f64>, f64, usize) {
+    let mut backend = gpu(problem, options);
+    backend.euler(0.0, step(problem).0, STEPS).expect("steps");
+    let field = backend.read().expect("read").as_ref().to_vec();
+    assert!(backend.is_finite().expect("check"));
+    (field, backend.exchange().expect("exchange"), backend.chunk_count())
+}
+
+#[test]
+fn parts_of_the_state_make_no_difference() {
+    let many = |dimension: usize| boundaries(dimension).into_iter().enumerate();
+    for dimension in 1..=3 {
+        for (k, boundaries) in many(dimension).filter(|(k, _)| [1, 2, 6, 9].contains(k)) {
+            let problem =
+                scene(KernelKind::CubicSpline, 2.0, COUNTS[dimension - 1], boundaries).problem;
+            let whole = GpuOptions::new(Precision::F32);
+            let layer = problem.particles.len() / COUNTS[dimension - 1][dimension - 1];
+            let split = GpuOptions { chunk_bytes: Some(4 * 4 * layer as u64), ..whole };
+            let (one, several) = (outcome(&problem, whole), outcome(&problem, split));
+            assert!(one.2 == 1 && several.2 >= 3, "{} {}", one.2, several.2);
+            // The same operations in the same order, but for what a compiler fuses.
+            let apart = difference(&one.0, &several.0);
+            assert!(apart <= allowed(&problem, Precision::F32), "{dimension}-D {k}: {apart:e}");
+            let exchange = (one.1 - several.1).abs();
+            assert!(exchange <= 1e-4 * one.1.abs(), "{dimension}-D {k}: {} {}", one.1, several.1);
+        }
+    }
+    let problem = scene(KernelKind::CubicSpline, 2.0, COUNTS[2], json!([])).problem;
+    let least = GpuOptions { chunk_bytes: Some(300), ..GpuOptions::new(Precision::F32) };
+    let scene = LatticeScene::of(&problem).expect("a lattice");
+    let refused = GpuBackend::lattice(&problem, &scene, Default::default(), 1.0, device(), least);
+    let message = refused.expect_err("a layer has 90 values").to_string();
+    assert!(message.contains("layers of a lattice"), "{message}");
+}
+
+#[test]
+fn a_run_can_be_taken_back_and_divergence_is_seen_in_every_part() {
+    let walls: Value = boundaries(2).remove(9);
+    let mut problem = scene(KernelKind::CubicSpline, 2.0, COUNTS[1], walls).problem;
+    let (dt, _) = step(&problem);
+    let options = GpuOptions { chunk_bytes: Some(8 * 4 * 13), ..GpuOptions::new(Precision::F64) };
+    let (mut whole, mut split) = (gpu(&problem, options), gpu(&problem, options));
+    whole.euler(0.0, dt, STEPS).expect("steps");
+    split.euler(0.0, dt, 17).expect("steps");
+    split.save().expect("save");
+    split.euler(17.0 * dt, dt, 80).expect("steps");
+    split.restore().expect("restore");
+    split.euler(17.0 * dt, dt, STEPS - 17).expect("steps");
+    let (a, b) = (whole.read().expect("read"), split.read().expect("read"));
+    assert!(difference(a.as_ref(), b.as_ref()) < 1e-13);
+    let (a, b) = (whole.exchange().expect("exchange"), split.exchange().expect("exchange"));
+    assert!((a - b).abs() <= 1e-11 * a.abs(), "{a} {b}");
+    for place in [0, 70, 142] {
+        let before = std::mem::replace(&mut problem.initial[place], f64::NAN);
+        assert!(!gpu(&problem, options).is_finite().expect("check"), "{place}");
+        problem.initial[place] = before;
+    }
+}
