@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use diffusph::gpu::limits::{CHAIN, limit_sources};
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
@@ -12,13 +13,14 @@ use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
 
 /// What GLSL.std.450 offers in f64 as well: not exp, log, pow and the trigonometric functions, which
 /// naga accepts all the same.
-const IN_F64: [MathFunction; 6] = [
+const IN_F64: [MathFunction; 7] = [
     MathFunction::Abs,
     MathFunction::Min,
     MathFunction::Max,
     MathFunction::Floor,
     MathFunction::Round,
     MathFunction::Sqrt,
+    MathFunction::Fma,
 ];
 
 /// Checks a source up to its SPIR-V.
@@ -120,6 +122,7 @@ fn every_combination_is_valid() {
     let passes = combinations().into_iter().flat_map(|choices| choices.all());
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let passes = passes.chain(Real::ALL.map(|real| finite(real, 64)));
+    let passes = passes.chain(Real::ALL.into_iter().flat_map(limit_sources));
     for source in passes.chain(scan_sources()) {
         let text = source.link().expect("every file exists");
         if seen.insert(text.clone())
@@ -168,7 +171,7 @@ fn laid_out(layout: &BlockLayout, real: Real) -> (Vec<u32>, u32) {
 #[test]
 fn parameter_blocks_are_laid_out_as_the_shaders_read_them() {
     let odd = BlockLayout { name: "Odd", counts: &["one", "two", "three"], reals: &["four"] };
-    for layout in [&GRID, &CHUNK, &STEP_SIZE, &PART, &odd] {
+    for layout in [&GRID, &CHUNK, &STEP_SIZE, &PART, &CHAIN, &odd] {
         for real in Real::ALL {
             let (offsets, size) = laid_out(layout, real);
             let counts = (0..layout.counts.len()).map(|i| 4 * i);

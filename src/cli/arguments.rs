@@ -33,7 +33,7 @@ impl CaseArguments {
     }
 }
 
-/// Where to run.
+/// Which machine.
 #[derive(Debug, Args)]
 pub(super) struct MachineArguments {
     /// Where to run: `auto` takes a real GPU if there is one, else the CPU; `gpu` also takes a
@@ -43,6 +43,13 @@ pub(super) struct MachineArguments {
     /// Part of the adapter's name, any case (see `diffusph devices`)
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+}
+
+/// Where to run, and how.
+#[derive(Debug, Args)]
+pub(super) struct WayArguments {
+    #[command(flatten)]
+    machine: MachineArguments,
     /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
@@ -59,31 +66,46 @@ enum BackendFlag {
     Gpu,
 }
 
+/// A precision.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum PrecisionFlag {
+pub(super) enum PrecisionFlag {
     Auto,
     F32,
     F64,
 }
 
+/// A path.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum PathFlag {
+pub(super) enum PathFlag {
     Auto,
     List,
     Lattice,
 }
 
-impl MachineArguments {
-    /// The path that is wanted.
-    pub(super) fn path(&self) -> PathWish {
-        match self.path {
-            PathFlag::Auto => PathWish::Auto,
-            PathFlag::List => PathWish::List,
-            PathFlag::Lattice => PathWish::Lattice,
+impl PrecisionFlag {
+    /// The precision that is wanted, if one is.
+    pub(super) fn wish(self) -> Option<Precision> {
+        match self {
+            Self::Auto => None,
+            Self::F32 => Some(Precision::F32),
+            Self::F64 => Some(Precision::F64),
         }
     }
+}
 
-    /// The flags as a wish.
+impl PathFlag {
+    /// The path that is wanted.
+    pub(super) fn wish(self) -> PathWish {
+        match self {
+            Self::Auto => PathWish::Auto,
+            Self::List => PathWish::List,
+            Self::Lattice => PathWish::Lattice,
+        }
+    }
+}
+
+impl MachineArguments {
+    /// The flags as a wish, in whatever precision.
     pub(super) fn wish(&self) -> MachineWish {
         MachineWish {
             backend: match self.backend {
@@ -92,11 +114,19 @@ impl MachineArguments {
                 BackendFlag::Gpu => BackendWish::Gpu,
             },
             adapter: self.adapter.clone(),
-            precision: match self.precision {
-                PrecisionFlag::Auto => None,
-                PrecisionFlag::F32 => Some(Precision::F32),
-                PrecisionFlag::F64 => Some(Precision::F64),
-            },
+            precision: None,
         }
+    }
+}
+
+impl WayArguments {
+    /// The path that is wanted.
+    pub(super) fn path(&self) -> PathWish {
+        self.path.wish()
+    }
+
+    /// The flags as a wish.
+    pub(super) fn wish(&self) -> MachineWish {
+        MachineWish { precision: self.precision.wish(), ..self.machine.wish() }
     }
 }

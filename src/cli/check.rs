@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use clap::Args;
 
-use super::arguments::{CaseArguments, MachineArguments};
+use super::arguments::{CaseArguments, WayArguments};
 use super::{CliError, print};
 use crate::case::Scene;
 use crate::model::integrator::Schedule;
@@ -19,7 +19,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
     #[command(flatten)]
-    machine: MachineArguments,
+    way: WayArguments,
     /// Accept a step above the measured stability limit
     #[arg(long)]
     allow_unstable: bool,
@@ -27,10 +27,10 @@ pub(super) struct Arguments {
 
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let mut scene = arguments.case.load()?;
-    let (machine, passed_over) = Machine::open(&arguments.machine.wish())?;
+    let (machine, passed_over) = Machine::open(&arguments.way.wish())?;
     scene.warnings.extend(passed_over);
     let problem = &scene.problem;
-    let choice = PathChoice::new(problem, machine.kind(), arguments.machine.path())?;
+    let choice = PathChoice::new(problem, machine.kind(), arguments.way.path())?;
     let (prepared, _) =
         study::prepare(problem, machine.kind(), choice, arguments.allow_unstable, false)?;
     print(describe(&scene, &prepared, machine.adapter()))

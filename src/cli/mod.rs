@@ -2,6 +2,7 @@
 //! codes.
 
 mod arguments;
+mod bench;
 mod cases;
 mod check;
 mod devices;
@@ -37,6 +38,8 @@ enum Command {
     Run(run::Arguments),
     /// Show what a run would do, without solving: particles, memory, step, path, what is left out
     Check(check::Arguments),
+    /// Measure the throughput beside what the memory and the processor can do at most
+    Bench(bench::Arguments),
     /// List the shipped cases, or print one
     Cases(cases::Arguments),
     /// List the GPU adapters, and say which one `--backend auto` would take
@@ -71,6 +74,8 @@ enum CliError {
     Json(#[from] serde_json::Error),
     #[error("cannot catch Ctrl-C: {0}")]
     Interrupt(#[from] ctrlc::Error),
+    #[error("interrupted: what had been measured by then is in the report")]
+    Interrupted,
 }
 
 impl From<crate::solver::SolverError> for CliError {
@@ -85,7 +90,11 @@ impl CliError {
         match self {
             Self::Case(_) | Self::Folder(_) | Self::OverwritesCase { .. } => 2,
             Self::Run(error) if error.is_usage() => 2,
-            Self::Run(_) | Self::Stdout(_) | Self::Json(_) | Self::Interrupt(_) => 1,
+            Self::Run(_)
+            | Self::Stdout(_)
+            | Self::Json(_)
+            | Self::Interrupt(_)
+            | Self::Interrupted => 1,
         }
     }
 }
@@ -96,6 +105,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Cases(arguments) => cases::cases(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Schema => schema(),

@@ -29,7 +29,7 @@ impl Monitor {
         // Drawn to standard error, and hidden by the library where that is no terminal.
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(None, target).with_style(style());
+        let bar = ProgressBar::with_draw_target(None, target).with_style(style(STEPS));
         Ok(Self { bar, interrupted })
     }
 
@@ -37,6 +37,23 @@ impl Monitor {
     pub(super) fn update(&self, progress: Progress) -> ControlFlow<()> {
         self.bar.set_length(progress.steps);
         self.bar.set_position(progress.step);
+        self.flow()
+    }
+
+    /// Takes note that `done` of `all` parts are done, and of what comes next.
+    pub(super) fn at(&self, done: u64, all: u64, next: String) -> ControlFlow<()> {
+        if self.bar.length().is_none() {
+            self.bar.set_style(style(PARTS));
+        }
+        self.bar.set_length(all);
+        self.bar.set_position(done);
+        self.bar.set_message(next);
+        self.bar.tick();
+        self.flow()
+    }
+
+    /// Whether the user has asked to stop.
+    fn flow(&self) -> ControlFlow<()> {
         match self.interrupted.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
@@ -49,7 +66,13 @@ impl Monitor {
     }
 }
 
-fn style() -> ProgressStyle {
-    let template = "{bar:32} {percent:>3} %  step {human_pos} of {human_len}  {per_sec}  ETA {eta}";
+/// A bar over the steps of a run.
+const STEPS: &str =
+    "{bar:32} {percent:>3} %  step {human_pos} of {human_len}  {per_sec}  ETA {eta}";
+
+/// A bar over parts that have names and differ in length.
+const PARTS: &str = "{bar:32} {human_pos} of {human_len}  {elapsed}  {msg}";
+
+fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

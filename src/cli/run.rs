@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::arguments::{CaseArguments, MachineArguments};
+use super::arguments::{CaseArguments, WayArguments};
 use super::progress::Monitor;
 use super::{CliError, print, print_json};
 use crate::case::Scene;
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     case: CaseArguments,
     #[command(flatten)]
-    machine: MachineArguments,
+    way: WayArguments,
     /// The output folder [default: out/CASE]
     #[arg(long, value_name = "DIR", conflicts_with = "no_output")]
     out: Option<PathBuf>,
@@ -42,13 +42,13 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let started = Instant::now();
     let mut scene = arguments.case.load()?;
-    let (machine, passed_over) = Machine::open(&arguments.machine.wish())?;
+    let (machine, passed_over) = Machine::open(&arguments.way.wish())?;
     scene.warnings.extend(passed_over);
     let monitor = Monitor::new(arguments.quiet || arguments.json)?;
     let folder = folder(arguments, &scene)?;
     let options = RunOptions {
         machine: &machine,
-        path: arguments.machine.path(),
+        path: arguments.way.path(),
         allow_unstable: arguments.allow_unstable,
         folder: folder.as_ref(),
         started,

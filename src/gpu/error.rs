@@ -93,6 +93,11 @@ impl GpuError {
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::NoAdapter { .. } | Self::MissingFeature { .. })
     }
+
+    /// Whether what was asked for is larger than the device or what is left of its memory.
+    pub fn is_lack_of_room(&self) -> bool {
+        matches!(self, Self::TooLarge { .. } | Self::OutOfMemory { .. })
+    }
 }
 
 fn no_adapter(wanted: Option<&str>, available: &[String]) -> String {

@@ -1,5 +1,5 @@
-//! A physics-free layer over wgpu: adapters, a device, buffers, shader linking, passes as data and
-//! the exclusive prefix sum.
+//! A physics-free layer over wgpu: adapters, a device, buffers, shader linking, passes as data, the
+//! exclusive prefix sum, and passes that measure what a device can do at most.
 //!
 //! Nothing here panics on what a machine may do: a missing adapter, a limit, a shader that the
 //! driver refuses or a lost device come back as a [`GpuError`] with the values that explain it.
@@ -8,6 +8,7 @@ mod adapter;
 mod buffer;
 mod device;
 mod error;
+pub mod limits;
 mod link;
 mod pace;
 mod pass;

@@ -4,6 +4,7 @@
 //! slices and get numbers, text or files back. Every file is written whole or not at all (see
 //! [`output`]), apart from `probes.csv`, which grows while the run goes on.
 
+pub mod bench;
 pub mod format;
 pub mod norms;
 pub mod output;
@@ -14,9 +15,11 @@ pub mod sum;
 pub mod vtu;
 
 mod axis;
+mod bench_table;
 mod plot;
 mod summary;
 
+pub use bench::BenchReport;
 pub use norms::{Norms, observed_order};
 pub use output::{OutputError, OutputFolder};
 pub use probes::{ProbeRecord, ProbeWriter};

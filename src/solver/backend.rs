@@ -13,6 +13,9 @@ pub trait Backend {
     /// Takes `count` explicit Euler steps of `dt` (s) from `time` (s), which is where the state is.
     fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError>;
 
+    /// Blocks until everything asked for so far is done: steps may only have been handed over.
+    fn wait(&mut self) -> Result<(), SolverError>;
+
     /// Reads the values back.
     fn read(&mut self) -> Result<Self::Field, SolverError>;
 

@@ -112,6 +112,10 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
+    fn wait(&mut self) -> Result<(), SolverError> {
+        Ok(())
+    }
+
     fn read(&mut self) -> Result<CpuField, SolverError> {
         Ok(self.in_problem_order(&self.state))
     }

@@ -133,6 +133,11 @@ impl SolverError {
         }
     }
 
+    /// Whether the scene is larger than the device or what is left of its memory.
+    pub fn is_lack_of_room(&self) -> bool {
+        matches!(self, Self::Gpu(error) if error.is_lack_of_room())
+    }
+
     /// Steps whose result was good when the run stopped.
     pub fn good_steps(&self) -> u64 {
         match self {

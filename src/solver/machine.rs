@@ -104,6 +104,44 @@ impl Machine {
         Ok(Self::Gpu { device, precision })
     }
 
+    /// Every precision that it has.
+    pub fn precisions(&self) -> Vec<Precision> {
+        match self {
+            Self::Cpu => vec![Precision::F64],
+            Self::Gpu { device, .. } => {
+                let has = |precision: &Precision| device.require(precision.real()).is_ok();
+                Precision::ALL.into_iter().filter(has).collect()
+            }
+        }
+    }
+
+    /// The same machine in another of its precisions.
+    #[must_use]
+    pub fn in_precision(&self, precision: Precision) -> Self {
+        match self {
+            Self::Cpu => Self::Cpu,
+            Self::Gpu { device, .. } => Self::Gpu { device: device.clone(), precision },
+        }
+    }
+
+    /// Whether its buffers lie in the memory that programs use.
+    pub fn shares_memory(&self) -> bool {
+        match self {
+            Self::Cpu => true,
+            Self::Gpu { device, .. } => {
+                ["software", "integrated"].contains(&device.report().device_type)
+            }
+        }
+    }
+
+    /// The largest field that it takes, bytes; none where only memory limits it.
+    pub fn most_field_bytes(&self) -> Option<u64> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu { device, .. } => Some(device.max_binding_bytes()),
+        }
+    }
+
     /// Which kind it is.
     pub fn kind(&self) -> MachineKind {
         match self {

@@ -1,4 +1,4 @@
-//! Plan, backends and the time loop.
+//! Plan, backends and the time loop; what a machine can do at most.
 
 mod advance;
 pub mod backend;
@@ -6,15 +6,19 @@ pub mod cpu;
 mod error;
 pub mod gpu;
 pub mod lattice;
+pub mod limits;
 mod machine;
 pub mod plan;
 mod precision;
 mod step;
+mod timing;
 
 pub use advance::{Observer, Progress, advance};
 pub use backend::Backend;
 pub use error::SolverError;
+pub use limits::Limits;
 pub use machine::{BackendWish, Machine, MachineKind, MachineWish};
 pub use plan::{PathChoice, PathWish, Plan};
 pub use precision::Precision;
 pub use step::{Step, StepLimits, choose_step, measure_limit};
+pub use timing::Timing;

@@ -1,6 +1,10 @@
-//! Drivers above the solver: one run of a scene with its report.
+//! Drivers above the solver: one run of a scene with its report, and the benchmark.
 
+mod bench;
 mod recorder;
 mod run;
 
-pub use run::{Operator, Outcome, Prepared, RunError, RunOptions, lattice_walls, prepare, run};
+pub use bench::{BenchOptions, BenchOutcome, BenchProgress, LEAST_SIZE, bench};
+pub use run::{
+    Driver, Operator, Outcome, Prepared, RunError, RunOptions, lattice_walls, prepare, run, start,
+};

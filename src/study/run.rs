@@ -112,36 +112,56 @@ pub fn run(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let problem = &scene.problem;
-    // Only the CPU path keeps the rows; a device builds its own.
-    let keep_rows = matches!(options.machine, Machine::Cpu);
     let choice = PathChoice::new(problem, options.machine.kind(), options.path)?;
-    let (prepared, operator) =
-        prepare(problem, options.machine.kind(), choice, options.allow_unstable, keep_rows)?;
-    match (options.machine, operator) {
+    let solve = Solve { scene, options, progress };
+    start(problem, options.machine, choice, options.allow_unstable, solve)?
+}
+
+/// What is done with a scene that is ready on a machine, whatever the backend.
+pub trait Driver {
+    /// What comes of it.
+    type Output;
+
+    /// Works with `backend`, which holds the initial state.
+    fn drive<B: Backend>(self, prepared: Prepared, backend: B) -> Self::Output;
+}
+
+/// Prepares `problem`, puts it on `machine` along the path of `choice` and has `driver` work with
+/// it.
+///
+/// # Errors
+/// As [`prepare`]; a device that fails.
+pub fn start<D: Driver>(
+    problem: &Problem,
+    machine: &Machine,
+    choice: PathChoice,
+    allow_unstable: bool,
+    driver: D,
+) -> Result<D::Output, SolverError> {
+    // Only the CPU path keeps the rows; a device builds its own.
+    let keep_rows = matches!(machine, Machine::Cpu);
+    let (prepared, operator) = prepare(problem, machine.kind(), choice, allow_unstable, keep_rows)?;
+    Ok(match (machine, operator) {
         (Machine::Gpu { device, precision }, Some(Operator::Lattice { scene: lattice, walls })) => {
-            let gpu_options = GpuOptions::new(*precision);
-            let dt = prepared.step.dt;
-            let backend = GpuBackend::lattice(problem, &lattice, walls, dt, device, gpu_options)?;
-            solve(scene, options, &prepared, backend, progress)
+            let (options, dt) = (GpuOptions::new(*precision), prepared.step.dt);
+            let backend = GpuBackend::lattice(problem, &lattice, walls, dt, device, options)?;
+            driver.drive(prepared, backend)
         }
         (Machine::Gpu { device, precision }, _) => {
             let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
-            solve(scene, options, &prepared, backend, progress)
+            driver.drive(prepared, backend)
         }
         (Machine::Cpu, Some(Operator::Rows { order, rows })) => {
-            let backend = CpuBackend::new(problem, order, rows);
-            solve(scene, options, &prepared, backend, progress)
+            driver.drive(prepared, CpuBackend::new(problem, order, rows))
         }
         (Machine::Cpu, Some(Operator::Lattice { scene: lattice, walls })) => {
-            let backend = LatticeBackend::new(problem, lattice, walls);
-            solve(scene, options, &prepared, backend, progress)
+            driver.drive(prepared, LatticeBackend::new(problem, lattice, walls))
         }
         (Machine::Cpu, Some(Operator::Mixed { scene: mixed, rows })) => {
-            let backend = LatticeBackend::mixed(problem, mixed, rows);
-            solve(scene, options, &prepared, backend, progress)
+            driver.drive(prepared, LatticeBackend::mixed(problem, mixed, rows))
         }
         (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
-    }
+    })
 }
 
 /// What is known of a run before its first step.
@@ -266,36 +286,42 @@ fn prepare_list(
     Ok((Prepared { survey, step, plan }, operator))
 }
 
-fn solve<B: Backend>(
-    scene: &Scene,
-    options: &RunOptions<'_>,
-    prepared: &Prepared,
-    mut backend: B,
-    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-) -> Result<Outcome, RunError> {
-    let setup = &Setup { scene, options, prepared };
-    let schedule = Schedule::new(&scene.problem.time, prepared.step.dt);
-    let ready = options.started.elapsed();
-    let mut recorder = Recorder::start(scene, options.folder, progress)?;
-    let first_output = recorder.spent;
-    let clock = Instant::now();
-    let stopped = match advance(&mut backend, &scene.problem, &schedule, &mut recorder) {
-        Ok(()) => None,
-        Err(RunError::Solver(
-            error @ (SolverError::Diverged { .. } | SolverError::Interrupted { .. }),
-        )) => Some(error),
-        Err(error) => return Err(error),
-    };
-    let solving = clock.elapsed() + first_output - recorder.spent;
-    let steps = match &stopped {
-        None => schedule.total_steps(),
-        Some(error) => error.good_steps(),
-    };
-    let exchange = backend.exchange()?;
-    let measured =
-        Measured { ready, solving, steps, exchange, memory_bytes: backend.memory_bytes() };
-    drop(backend);
-    finish(setup, recorder, &measured, stopped)
+/// Solves a scene.
+struct Solve<'a, 'b> {
+    scene: &'a Scene,
+    options: &'a RunOptions<'b>,
+    progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
+}
+
+impl Driver for Solve<'_, '_> {
+    type Output = Result<Outcome, RunError>;
+
+    fn drive<B: Backend>(self, prepared: Prepared, mut backend: B) -> Self::Output {
+        let Self { scene, options, progress } = self;
+        let setup = &Setup { scene, options, prepared: &prepared };
+        let schedule = Schedule::new(&scene.problem.time, prepared.step.dt);
+        let ready = options.started.elapsed();
+        let mut recorder = Recorder::start(scene, options.folder, progress)?;
+        let first_output = recorder.spent;
+        let clock = Instant::now();
+        let stopped = match advance(&mut backend, &scene.problem, &schedule, &mut recorder) {
+            Ok(()) => None,
+            Err(RunError::Solver(
+                error @ (SolverError::Diverged { .. } | SolverError::Interrupted { .. }),
+            )) => Some(error),
+            Err(error) => return Err(error),
+        };
+        let solving = clock.elapsed() + first_output - recorder.spent;
+        let steps = match &stopped {
+            None => schedule.total_steps(),
+            Some(error) => error.good_steps(),
+        };
+        let exchange = backend.exchange()?;
+        let measured =
+            Measured { ready, solving, steps, exchange, memory_bytes: backend.memory_bytes() };
+        drop(backend);
+        finish(setup, recorder, &measured, stopped)
+    }
 }
 
 /// What a run starts from.

@@ -2,6 +2,7 @@
 //! do.
 
 mod backend;
+mod limits;
 mod list;
 mod probe;
 mod rate;

@@ -257,6 +257,10 @@ impl Backend for GpuBackend {
         Ok(self.steps.run(&self.device, time, dt, self.reference_step, count)?)
     }
 
+    fn wait(&mut self) -> Result<(), SolverError> {
+        Ok(self.device.wait_for_all()?)
+    }
+
     fn read(&mut self) -> Result<GpuField, SolverError> {
         self.field(self.steps.state(), 1.0)
     }

@@ -118,7 +118,7 @@ impl Scratch {
         out: &mut [f64],
     ) {
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        if has_wide_vectors() {
             #[allow(unsafe_code, reason = "wider vectors and fused operations: twice the speed")]
             // SAFETY: the processor has the instructions.
             unsafe {
@@ -467,6 +467,14 @@ fn sum_of<const N: usize>(lines: &[&[f64]; N], x: usize) -> f64 {
         2 => lines[0][x] + lines[1][x],
         _ => lines[0][x],
     }
+}
+
+/// Whether the processor has the wider vectors and fused multiplications (AVX2 and FMA) that the
+/// stencil uses where it can.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(in crate::solver) fn has_wide_vectors() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
 /// a b + c, rounded once with `FUSED`.

@@ -1,7 +1,7 @@
 //! The CPU backend of scenes on a lattice: two states and a stencil, and nothing more but for the rows
 //! that need it.
 
-mod kernel;
+pub(super) mod kernel;
 mod mixed;
 mod uniform;
 
@@ -135,6 +135,10 @@ impl Backend for LatticeBackend {
             std::mem::swap(&mut self.state, &mut next);
         }
         self.next = next;
+        Ok(())
+    }
+
+    fn wait(&mut self) -> Result<(), SolverError> {
         Ok(())
     }
 

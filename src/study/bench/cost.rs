@@ -1,0 +1,132 @@
+//! What a step has to move and to compute for a particle, whatever the machine.
+
+use crate::model::lattice::LineClass;
+use crate::solver::{MachineKind, PathChoice};
+
+/// What a step costs a particle, on average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cost {
+    /// Bytes that have to come from memory or go there.
+    pub(super) bytes: f64,
+    /// Additions, subtractions and multiplications.
+    pub(super) operations: f64,
+}
+
+/// Operations of u + dt x rate.
+const EULER: f64 = 2.0;
+
+/// Bytes of a neighbour's index, and of where a row begins or how long it is.
+const INDEX: f64 = 4.0;
+
+impl Cost {
+    /// That of a particle with `neighbors` neighbours: by list, or by a stencil of so many
+    /// `operations`.
+    pub(super) fn new(machine: MachineKind, neighbors: f64, stencil: Option<f64>) -> Self {
+        let real = machine.precision().bytes() as f64;
+        match stencil {
+            None => Self::of_list(real, neighbors),
+            Some(operations) => Self::of_stencil(real, operations),
+        }
+    }
+
+    /// Of each neighbour its index and its weight, of each row where it begins, and one state read
+    /// and one written: a neighbour's value comes from a cache, where an earlier row has left it.
+    /// A neighbour takes a difference, a multiplication and an addition.
+    fn of_list(real: f64, neighbors: f64) -> Self {
+        Self {
+            bytes: neighbors * (INDEX + real) + INDEX + 2.0 * real,
+            operations: 3.0 * neighbors + EULER,
+        }
+    }
+
+    /// One state read and one written: neighbours come from a cache, weights from registers.
+    fn of_stencil(real: f64, operations: f64) -> Self {
+        Self { bytes: 2.0 * real, operations: operations + EULER }
+    }
+}
+
+/// Operations of the stencil of a choice that is a lattice, far from edges: as the CPU factors the
+/// sum (`src/solver/lattice/kernel.rs`) or as the shaders write it out.
+pub(super) fn stencil_operations(choice: &PathChoice, machine: MachineKind) -> Option<f64> {
+    let PathChoice::Lattice(scene) = choice else {
+        return None;
+    };
+    let operations = match machine {
+        MachineKind::Cpu => factored(&scene.classes),
+        MachineKind::Gpu(_) => written_out(&scene.classes),
+    };
+    Some(operations as f64)
+}
+
+/// The lines of a class are added up (n - 1 operations) and n C is taken off (2); each weight adds
+/// its part (2). The class of the line itself has nothing to add up but for its weights, which are
+/// part of what follows: a step along x takes 2 for K C and 4 for both sides.
+fn factored(classes: &[LineClass]) -> usize {
+    let others = classes.iter().filter(|class| !is_own(class));
+    let of_class = |class: &LineClass| class.lines.len() + 1 + 2 * weights(class).count();
+    let reach = classes.iter().map(|class| class.weights.len() - 1).max().unwrap_or(0);
+    others.map(of_class).sum::<usize>() + 6 * reach
+}
+
+/// Differences (1 a neighbour) of one weight are added up (1), then multiplied by it (1).
+fn written_out(classes: &[LineClass]) -> usize {
+    let of_class = |class: &LineClass| {
+        let sides = |step: usize| if step == 0 { 1 } else { 2 };
+        weights(class).map(|step| 2 * class.lines.len() * sides(step) + 1).sum::<usize>()
+    };
+    classes.iter().map(of_class).sum()
+}
+
+/// Whether it is the line of the particle itself.
+fn is_own(class: &LineClass) -> bool {
+    class.lines == [[0, 0]]
+}
+
+/// The steps along x with a weight.
+fn weights(class: &LineClass) -> impl Iterator<Item = usize> + '_ {
+    (0..class.weights.len()).filter(|&step| class.weights[step] != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::scene;
+    use super::*;
+    use crate::solver::{PathWish, Precision};
+
+    fn cost(path: PathWish, dimension: usize, support_ratio: f64, neighbors: f64) -> Cost {
+        let problem = scene(1000, dimension, support_ratio);
+        let choice = PathChoice::new(&problem, MachineKind::Cpu, path).expect("it is a lattice");
+        Cost::new(MachineKind::Cpu, neighbors, stencil_operations(&choice, MachineKind::Cpu))
+    }
+
+    #[test]
+    fn a_list_moves_its_entries_and_a_lattice_two_states() {
+        let list = cost(PathWish::List, 3, 2.0, 26.0);
+        assert_eq!(list, Cost { bytes: 26.0 * 12.0 + 4.0 + 16.0, operations: 80.0 });
+        assert!(cost(PathWish::List, 3, 2.0, 27.0).bytes > list.bytes);
+        let lattice = cost(PathWish::Lattice, 3, 2.0, 26.0);
+        assert_eq!(lattice.bytes, 16.0);
+        assert_eq!(cost(PathWish::Lattice, 3, 3.0, 92.0).bytes, 16.0, "whatever the support");
+        let device = MachineKind::Gpu(Precision::F32);
+        let list = Cost::new(device, 26.0, None);
+        assert_eq!(list.bytes, 26.0 * 8.0 + 4.0 + 8.0);
+    }
+
+    #[test]
+    fn a_stencil_takes_the_operations_of_its_classes() {
+        // Of the nine points of H/dx = 2 in 2-D: two other lines are added up (1), less 2 C (2),
+        // with two weights (4); the step along x (6); Euler's 2.
+        assert_eq!(cost(PathWish::Lattice, 2, 2.0, 8.0).operations, 15.0);
+        // In 3-D there are two classes of four lines (3 + 2 + 4 each) and one step.
+        assert_eq!(cost(PathWish::Lattice, 3, 2.0, 26.0).operations, 26.0);
+        let problem = scene(1000, 3, 2.0);
+        let device = MachineKind::Gpu(Precision::F32);
+        let choice = PathChoice::new(&problem, device, PathWish::Lattice).expect("a lattice");
+        // 26 neighbours of five weights: one on the line itself, two in each class.
+        assert_eq!(stencil_operations(&choice, device), Some(2.0 * 26.0 + 5.0));
+        let mut classes = [LineClass { lines: vec![[0, 1]], weights: vec![3.0, 2.0, 1.0] }];
+        assert_eq!((factored(&classes), written_out(&classes)), (20, 13));
+        classes[0].weights[1] = 0.0;
+        assert_eq!((factored(&classes), written_out(&classes)), (18, 8));
+    }
+}
