@@ -20,32 +20,26 @@ fn along(at: u32, step: i32, count: u32, axis: u32, periodic: bool) -> Place {
     }
     let upper = place >= whole;
     let layer = select(-1 - place, place - whole, upper);
-    let index = select(layer, whole - 1 - layer, upper);
     let end = 2u * axis + u32(upper);
-    return Place(u32(index), edge_factor[end * REACH + u32(layer)], (MIRRORS >> end & 1u) == 1u);
+    // A body thinner than the stencil has no particle that far in, whose ghost this would be.
+    if layer >= whole || (MIRRORS >> end & 1u) == 0u {
+        return Place(at, real(0.0), false);
+    }
+    let index = select(layer, whole - 1 - layer, upper);
+    return Place(u32(index), edge_factor[end * REACH + u32(layer)], true);
 }
 
-// The sum where the stencil reaches past an end of the lattice.
-fn edge_sum(at: vec3<u32>, own: real) -> real {
-    var sum = real(0.0);
-    for (var k = 0u; k < arrayLength(&entry); k++) {
-        let x = along(at.x, i32(entry[k].x), NX, 0u, PERIODIC_X);
-        let y = along(at.y, i32(entry[k].y), NY, 1u, PERIODIC_Y);
-        let z = along(at.z, i32(entry[k].z), NZ, 2u, PERIODIC_Z);
-        if x.exists && y.exists && z.exists {
-            let value = value_at((z.index * NY + y.index) * NX + x.index);
-            sum += entry[k].w * (x.factor * y.factor * z.factor * value - own);
-        }
-    }
-    return sum;
+// The difference to what is at a site, times a factor.
+fn difference(site: u32, factor: real, exists: bool, own: real) -> real {
+    return select(real(0.0), factor * value_at(site) - own, exists);
 }
 
 fn is_inside(at: u32, count: u32, reach: u32) -> bool {
     return at >= reach && at + reach < count;
 }
 
-// sum_b w_ab (C_b - C_a) around a site: its rate of change, dimensionless in time. `interior_sum` is
-// generated.
+// sum_b w_ab (C_b - C_a) around a site: its rate of change, dimensionless in time. `interior_sum`
+// knows the distances to all neighbours; `edge_sum` finds each.
 fn stencil_sum(site: u32, own: real) -> real {
     let at = vec3<u32>(site % NX, site / NX % NY, site / (NX * NY));
     if is_inside(at.x, NX, REACH) && is_inside(at.y, NY, REACH_Y) && is_inside(at.z, NZ, REACH_Z) {

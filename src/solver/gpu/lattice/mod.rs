@@ -24,8 +24,8 @@ pub(super) struct Lattice {
     parts: Vec<Part>,
     /// Factors of ghosts, by end and layer.
     edge_factor: Buffer,
-    /// Sites to each neighbour, with its weight.
-    entry: Buffer,
+    /// Sites to each neighbour, with its weight; only where they are not written out.
+    entry: Option<Buffer>,
     /// Site, slot of a wall, and place among the held, of each site where more than the stencil acts;
     /// only where there is one.
     exception: Option<Buffer>,
@@ -82,7 +82,7 @@ impl Lattice {
         Ok(Self {
             parts: (0..parts.len()).map(part).collect::<Result<_, _>>()?,
             edge_factor: device.storage_with("ghosts", &real.to_bytes(&edge_factors(scene)))?,
-            entry: device.storage_with("stencil", &real.to_bytes(&entry_contents(&source)))?,
+            entry: entry_buffer(device, &source)?,
             exception,
             source,
         })
@@ -138,7 +138,8 @@ impl Lattice {
         if self.source.is_split {
             buffers.extend(part.beside.map(|other| &fields.from[other]));
         }
-        buffers.extend([&fields.to[k], &self.edge_factor, &self.entry]);
+        buffers.extend([&fields.to[k], &self.edge_factor]);
+        buffers.extend(&self.entry);
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
             buffers.extend(fields.exchange);
@@ -153,8 +154,8 @@ impl Lattice {
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
         let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
-        let exception = self.exception.as_ref().map_or(0, Buffer::bytes);
-        self.edge_factor.bytes() + self.entry.bytes() + exception + blocks
+        let others = self.entry.iter().chain(&self.exception).chain([&self.edge_factor]);
+        others.map(Buffer::bytes).sum::<u64>() + blocks
     }
 }
 
@@ -259,14 +260,15 @@ fn edge_factors(scene: &LatticeScene) -> Vec<f64> {
     scene.edges.iter().flat_map(of_edge).flatten().collect()
 }
 
-/// Sites along x, y and z to each neighbour, and its weight; one of weight 0 where there is none.
-fn entry_contents(source: &StencilSource) -> Vec<f64> {
+/// Sites along x, y and z to each neighbour, and its weight, where the shaders read them.
+fn entry_buffer(device: &Device, source: &StencilSource) -> Result<Option<Buffer>, GpuError> {
+    if !source.is_loop() {
+        return Ok(None);
+    }
     let entry =
         |([x, y, z], weight): &([isize; 3], f64)| [*x as f64, *y as f64, *z as f64, *weight];
-    match source.entries.is_empty() {
-        true => vec![0.0; 4],
-        false => source.entries.iter().flat_map(entry).collect(),
-    }
+    let contents: Vec<f64> = source.entries.iter().flat_map(entry).collect();
+    Ok(Some(device.storage_with("stencil", &source.real().to_bytes(&contents))?))
 }
 
 #[cfg(test)]

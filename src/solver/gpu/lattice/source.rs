@@ -83,12 +83,12 @@ impl StencilSource {
         } else {
             "lattice/whole"
         };
-        bindings.extend([
-            write("after", Element::Real),
-            read("edge_factor", Element::Real),
-            read("entry", Element::Real4),
-        ]);
+        bindings.extend([write("after", Element::Real), read("edge_factor", Element::Real)]);
         let mut slots = vec![state, "lattice/site"];
+        if self.is_loop() {
+            bindings.push(read("entry", Element::Real4));
+            slots.push("lattice/loops");
+        }
         if sites == Sites::Exceptions {
             slots.extend(self.exceptions(&mut bindings));
         }
@@ -108,7 +108,7 @@ impl StencilSource {
             constants: self.constants(),
             bindings,
             slots: slots.into_iter().map(str::to_owned).collect(),
-            generated: self.interior_sum(),
+            generated: if self.is_loop() { String::new() } else { self.sums() },
         }
     }
 
@@ -146,51 +146,78 @@ impl StencilSource {
         ]
     }
 
-    /// The sum away from every end, with distances between sites as numbers. Neighbours on opposite
-    /// sides are added first, then those of one weight.
-    fn interior_sum(&self) -> String {
+    /// Whether the neighbours are too many to be written out.
+    pub(super) fn is_loop(&self) -> bool {
+        self.entries.len() > WRITTEN_OUT
+    }
+
+    /// The sums with every neighbour written out.
+    fn sums(&self) -> String {
         let mut text = String::from("fn interior_sum(site: u32, own: real) -> real {\n");
         text.push_str("    var sum = real(0.0);\n");
-        if self.entries.len() > WRITTEN_OUT {
-            text.push_str(LOOP);
-        } else {
-            for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
-                self.write_group(group, &mut text);
-            }
+        for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
+            self.write_group(group, &mut text);
         }
         text.push_str("    return sum;\n}\n\n");
+        self.write_edge_sum(&mut text);
         text
     }
 
-    /// The terms of one weight.
+    /// The terms of one weight, with distances between sites as numbers: neighbours on opposite sides
+    /// are added first.
     fn write_group(&self, group: &[([isize; 3], f64)], text: &mut String) {
         let [nx, ny, _] = self.counts.map(|count| count as isize);
         let distances = group.iter().map(|([x, y, z], _)| (z * ny + y) * nx + x);
-        let (mut first, weight) = (true, self.real().literal(group[0].1));
         // Each stands for the neighbour on the other side as well.
-        for distance in distances.filter(|&distance| distance > 0) {
-            let sign = if first { "" } else { " + " };
-            let opening = if first { format!("    sum += {weight} * (") } else { String::new() };
+        let pairs = distances.filter(|&distance| distance > 0).map(|distance| {
+            format!("((value_at(site - {distance}u) - own) + (value_at(site + {distance}u) - own))")
+        });
+        let pairs: Vec<String> = pairs.collect();
+        if !pairs.is_empty() {
+            let weight = self.real().literal(group[0].1);
             // Writing to a String cannot fail.
-            let _ = write!(
+            let _ = writeln!(text, "    sum += {weight} * ({});", pairs.join(" + "));
+        }
+    }
+
+    /// The sum beside ends: what is found along each axis comes first, so that a place is one sum
+    /// of indexes, and no neighbour a branch.
+    fn write_edge_sum(&self, text: &mut String) {
+        text.push_str("fn edge_sum(at: vec3<u32>, own: real) -> real {\n");
+        for (axis, name) in AXES.into_iter().enumerate() {
+            let upper = name.to_uppercase();
+            let used = |step: &isize| self.entries.iter().any(|(steps, _)| steps[axis] == *step);
+            let reach = self.reach as isize;
+            for step in (-reach..=reach).filter(used) {
+                let place = place(axis, step);
+                let _ = writeln!(
+                    text,
+                    "    let {place} = along(at.{name}, {step}, N{upper}, {axis}u, \
+                     PERIODIC_{upper});"
+                );
+            }
+        }
+        text.push_str("    var sum = real(0.0);\n");
+        for (steps, weight) in &self.entries {
+            let [x, y, z] = [0, 1, 2].map(|axis| place(axis, steps[axis]));
+            let weight = self.real().literal(*weight);
+            let _ = writeln!(
                 text,
-                "{opening}{sign}((value_at(site - {distance}u) - own) + (value_at(site + \
-                 {distance}u) - own))"
+                "    sum += {weight} * difference(({z}.index * NY + {y}.index) * NX + {x}.index, \
+                 {x}.factor * {y}.factor * {z}.factor, {x}.exists && {y}.exists && {z}.exists, own);"
             );
-            first = false;
         }
-        if !first {
-            text.push_str(");\n");
-        }
+        text.push_str("    return sum;\n}\n\n");
     }
 }
 
-/// The sum as a loop over the buffer of entries.
-const LOOP: &str = "    for (var k = 0u; k < arrayLength(&entry); k++) {
-        let further = (i32(entry[k].z) * i32(NY) + i32(entry[k].y)) * i32(NX) + i32(entry[k].x);
-        sum += entry[k].w * (value_at(u32(i32(site) + further)) - own);
-    }
-";
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// What the shader calls the place `step` sites along an axis.
+fn place(axis: usize, step: isize) -> String {
+    let side = if step < 0 { "minus" } else { "plus" };
+    format!("{}_{side}_{}", AXES[axis], step.unsigned_abs())
+}
 
 /// Whether each axis is periodic, and the ends with ghosts as bits.
 pub(super) fn ends(scene: &LatticeScene) -> ([bool; 3], u32) {
