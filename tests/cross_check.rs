@@ -7,7 +7,7 @@ use diffusph::solver::cpu::{CpuBackend, CpuField};
 use diffusph::solver::gpu::{GpuBackend, GpuField};
 use diffusph::solver::{Backend, Precision};
 
-use support::{brute_force, device, random_lattice};
+use support::{brute_force, device, epsilon, random_lattice};
 
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
@@ -15,13 +15,6 @@ mod support;
 
 /// Steps of a comparison.
 const STEPS: u64 = 50;
-
-fn epsilon(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
-        Precision::F64 => f64::EPSILON,
-    }
-}
 
 /// Every shipped case, cut to a size that takes a moment.
 fn small_cases() -> Vec<Scene> {

@@ -10,7 +10,7 @@ use diffusph::study;
 use serde_json::{Value, json};
 
 use scenes::{COUNTS, boundaries, difference, scene};
-use support::device;
+use support::{device, epsilon};
 
 #[path = "lattice_path/scenes.rs"]
 mod scenes;
@@ -20,13 +20,6 @@ mod support;
 
 /// Steps of a run: more than the device holds changing sources for at once.
 const STEPS: u64 = 70;
-
-fn epsilon(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
-        Precision::F64 => f64::EPSILON,
-    }
-}
 
 /// The stable step, s, and the most neighbours.
 fn step(problem: &Problem) -> (f64, usize) {

@@ -9,7 +9,7 @@ use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use diffusph::solver::{Backend, Precision};
 use glam::DVec3;
 
-use support::{brute_force, device, random_lattice};
+use support::{brute_force, device, epsilon, random_lattice};
 
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
@@ -19,13 +19,6 @@ mod support;
 const STEP: f64 = 1e-3;
 /// Steps of a run: more than the device holds changing sources for at once.
 const STEPS: u64 = 150;
-
-fn epsilon(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
-        Precision::F64 => f64::EPSILON,
-    }
-}
 
 /// A condition of this kind whose numbers vary in space, and with `changing` in time, in the size
 /// of [`random_lattice`]'s scenes.

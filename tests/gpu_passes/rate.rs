@@ -2,14 +2,13 @@ use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::gpu::GpuBackend;
 use diffusph::solver::{Backend, Precision};
 
-use crate::support::{brute_force, device, random_lattice};
+use crate::support::{brute_force, device, epsilon, random_lattice};
 
 /// How many rates are off by more than roundings explain.
 fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {
     let mut backend = GpuBackend::new(on_device, 1e-3, device(), precision).expect("backend");
     let rate = backend.rate(0.0).expect("rate");
-    let epsilon = backend.choices().expect("a list").real().epsilon();
-    let expected = brute_force(expected, epsilon);
+    let expected = brute_force(expected, epsilon(precision));
     assert_eq!(rate.as_ref().len(), expected.len());
     let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| {
         let off = (got - sum).abs();

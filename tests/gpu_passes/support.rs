@@ -9,6 +9,7 @@ use diffusph::model::{
     Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem, StepChoice,
     TimePlan,
 };
+use diffusph::solver::Precision;
 use glam::DVec3;
 
 /// The device that all tests of this process share.
@@ -20,6 +21,14 @@ pub(crate) fn device() -> &'static Device {
             .expect("a software adapter is allowed");
         Device::open(&adapter).expect("the adapter opens")
     })
+}
+
+/// The spacing of the numbers just above 1.
+pub(crate) fn epsilon(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F64 => f64::EPSILON,
+    }
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014, OOPSLA, 453).

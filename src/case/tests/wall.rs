@@ -190,7 +190,7 @@ fn forms() -> Vec<Value> {
         forms.push(json!({ "wall": { "faces": ["x_max"], "kind": written(kind) } }));
         forms
             .push(json!({ "wall": { "faces": ["x_max"], "kind": written(kind), "where": patch } }));
-        if kind.definition().inflow.is_some() {
+        if kind.has_inflow() {
             forms.push(json!({ "surface": { "of": hole(), "kind": written(kind) } }));
             let part = json!({ "box": { "min": [0, 0], "max": [2, 2] } });
             forms

@@ -43,7 +43,7 @@ impl SurfaceSpec {
     /// Only what enters through a truncated surface can be given there.
     fn check_kind(&self, path: &str) -> Result<(), CaseError> {
         let kind = self.kind.kind();
-        if kind.definition().inflow.is_some() {
+        if kind.has_inflow() {
             return Ok(());
         }
         let advice = match kind {

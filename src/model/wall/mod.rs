@@ -105,6 +105,11 @@ impl WallKind {
     pub fn name(self) -> &'static str {
         self.definition().name
     }
+
+    /// Whether something enters by a flux, so that a truncated surface of this kind has a source.
+    pub fn has_inflow(self) -> bool {
+        self.definition().inflow.is_some()
+    }
 }
 
 /// A face of the domain.

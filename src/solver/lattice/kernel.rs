@@ -34,6 +34,8 @@ pub(super) struct Run {
     pub(super) length: usize,
     /// Place of the first site along x.
     x: usize,
+    /// Whether no line around it is past an end.
+    is_inside: bool,
 }
 
 impl Run {
@@ -49,7 +51,7 @@ impl Run {
             false => 1,
         };
         let length = if lines > 1 { lines * nx } else { (nx - x).min(BLOCK).min(most) };
-        Self { first, length, x }
+        Self { first, length, x, is_inside }
     }
 }
 
@@ -76,6 +78,8 @@ struct Members {
 #[derive(Debug)]
 pub(super) struct Scratch {
     members: Members,
+    /// The first site of the run that the members are of, if it is inside.
+    members_of: Option<usize>,
     /// Lines of a class whose values count as they are.
     plain: Vec<usize>,
     /// P_0, Q_1, Q_2, ... from `reach` before the run on.
@@ -102,6 +106,7 @@ impl Scratch {
     pub(super) fn new(scene: &LatticeScene) -> Self {
         Self {
             members: Members::default(),
+            members_of: None,
             plain: Vec::new(),
             sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; scene.reach + 1],
             ends: NearEnd::all(scene),
@@ -164,7 +169,12 @@ impl Scratch {
     }
 
     fn find_members(&mut self, scene: &LatticeScene, run: &Run) {
-        let Self { members, plain, .. } = self;
+        let Self { members, members_of, plain, .. } = self;
+        match members_of.replace(run.first).filter(|_| run.is_inside) {
+            // Inside, the same lines are around every run.
+            Some(before) => return members.shift(run.first.wrapping_sub(before)),
+            None => *members_of = run.is_inside.then_some(run.first),
+        }
         let [nx, ny, nz] = scene.counts;
         let (y, z) = (run.first / nx % ny, run.first / (nx * ny));
         members.clear();
@@ -348,6 +358,14 @@ impl Members {
         self.twos.clear();
         self.ones.clear();
         self.along.fill(0.0);
+    }
+
+    /// Moves all lines by some sites; those before wrap around.
+    fn shift(&mut self, sites: usize) {
+        let move_by = |line: &mut usize| *line = line.wrapping_add(sites);
+        self.fours.iter_mut().flat_map(|(_, lines)| lines).for_each(move_by);
+        self.twos.iter_mut().flat_map(|(_, lines)| lines).for_each(move_by);
+        self.ones.iter_mut().for_each(|(_, line, _)| move_by(line));
     }
 
     /// Adds lines of a class whose values count as they are.

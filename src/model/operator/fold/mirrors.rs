@@ -84,7 +84,7 @@ impl<'a> Mirrors<'a> {
         weight: &'a PairWeight<'a>,
         faces: Vec<WalledFace<'a>>,
     ) -> Self {
-        let is_flux = |wall: &crate::model::Wall| wall.condition.kind.definition().inflow.is_some();
+        let is_flux = |wall: &crate::model::Wall| wall.condition.kind.has_inflow();
         let by_flux = problem.walls.iter().any(is_flux);
         Self { problem, weight, faces, by_flux }
     }
@@ -111,11 +111,10 @@ impl<'a> Mirrors<'a> {
 
     /// The images within whose reach a particle at `x` (m) is: at least one face is walled.
     fn images(&self, x: DVec3) -> Vec<Image> {
-        let is_walled = |face: Face| self.faces.iter().any(|walled| walled.face() == face);
         let open = |face: &Face| !self.problem.domain.periodic[face.axis];
         let mut images: Vec<Image> = vec![[None; 3]];
         for face in Face::all(self.problem.dimension).filter(open) {
-            if self.is_near(face, x) && (is_walled(face) || self.by_flux) {
+            if self.is_near(face, x) && (self.is_walled(face) || self.by_flux) {
                 let before = images.iter().filter(|image| image[face.axis].is_none());
                 let with_face = |image: &Image| {
                     let mut image = *image;
@@ -126,7 +125,7 @@ impl<'a> Mirrors<'a> {
                 images.extend(more);
             }
         }
-        images.retain(|image| image.iter().flatten().any(|&face| is_walled(face)));
+        images.retain(|image| image.iter().flatten().any(|&face| self.is_walled(face)));
         images
     }
 
@@ -152,10 +151,10 @@ impl<'a> Mirrors<'a> {
 
     /// Where the walls of a pair are looked up, from its crossing, m.
     fn beside(&self, image: &Image) -> Vec<DVec3> {
-        let has_patches = |walled: &&WalledFace<'_>| {
+        let has_patches = |walled: &WalledFace<'_>| {
             image[walled.face().axis] == Some(walled.face()) && walled.has_patches()
         };
-        if !self.faces.iter().any(|walled| has_patches(&walled)) {
+        if !self.faces.iter().any(has_patches) {
             return vec![DVec3::ZERO];
         }
         let offset = BESIDE * self.problem.spacing;
@@ -207,7 +206,7 @@ impl<'a> Mirrors<'a> {
                 Some([mirror(to)?, mirror(from)?])
             });
             let [of_neighbor, of_row] = mirrors.unwrap_or([UNCHANGED; 2]);
-            let by_flux = wall.is_some_and(|(_, w)| w.condition.kind.definition().inflow.is_some());
+            let by_flux = wall.is_some_and(|(_, w)| w.condition.kind.has_inflow());
             let wall = wall.filter(|_| mirrors.is_some()).map(|(index, _)| index);
             Passage { face, wall, by_flux, of_neighbor, of_row }
         };
