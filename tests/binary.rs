@@ -74,7 +74,7 @@ fn refusal(code: i32, arguments: &[&str]) -> String {
 }
 
 #[test]
-fn small_gaussian_is_right_on_both_backends_and_in_both_precisions() {
+fn small_gaussian_is_right_on_both_backends_and_paths_and_in_both_precisions() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let cpu = report(folder.path(), &["gaussian_small", "--backend", "cpu", "--out", "cpu"]);
     for key in REPORT_KEYS {
@@ -86,12 +86,16 @@ fn small_gaussian_is_right_on_both_backends_and_in_both_precisions() {
     assert!(number(&cpu, "/conserved/relative_drift").abs() < 1e-12);
     let centre = number(&cpu, "/probes/0/value");
     for (precision, bound) in [("f32", 1e-5), ("f64", 1e-13)] {
-        let flags = ["gaussian_small", "--backend", "gpu", "--precision", precision];
-        let gpu = report(folder.path(), &[&flags[..], &["--out", "gpu"]].concat());
-        assert_eq!((&gpu["backend"], &gpu["precision"]), (&"gpu".into(), &precision.into()));
-        assert!(gpu["adapter"].is_string());
-        let off = (number(&gpu, "/probes/0/value") / centre - 1.0).abs();
-        assert!(off < bound, "{precision}: centre off by {off:e}");
+        for path in ["lattice", "list"] {
+            let flags = ["gaussian_small", "--backend", "gpu", "--precision", precision];
+            let way = ["--path", path, "--out", "gpu"];
+            let gpu = report(folder.path(), &[&flags[..], &way].concat());
+            assert_eq!((&gpu["backend"], &gpu["precision"]), (&"gpu".into(), &precision.into()));
+            assert_eq!(gpu["path"], path);
+            assert!(gpu["adapter"].is_string());
+            let off = (number(&gpu, "/probes/0/value") / centre - 1.0).abs();
+            assert!(off < bound, "{precision} {path}: centre off by {off:e}");
+        }
     }
 }
 

@@ -8,11 +8,12 @@ use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Material, Problem};
 use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
-use diffusph::solver::{Backend, Machine, PathWish};
+use diffusph::solver::plan::Path;
+use diffusph::solver::{Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Precision};
 use diffusph::study::{self, RunOptions};
-use serde_json::json;
+use serde_json::{Value, json};
 
-use scenes::{COUNTS, boundaries, difference, scene};
+use scenes::{COUNTS, boundaries, difference, scene, without_far_bodies};
 
 #[path = "lattice_path/scenes.rs"]
 mod scenes;
@@ -83,6 +84,49 @@ fn one_changed_number_is_noticed() {
         let mut changed = problem.clone();
         changed.materials[0].diffusivity *= 1.0 + 1e-6;
         assert!(apart(&problem, &changed).0 > 1e-13);
+        if !problem.held.is_empty() {
+            let mut freed = problem.clone();
+            freed.held.pop();
+            assert!(apart(&problem, &freed).1 > 1e-13, "what one held particle gave");
+        }
+    }
+}
+
+#[test]
+fn boxes_thinner_than_the_stencil_agree() {
+    for counts in [[3, 11], [11, 3], [1, 9]] {
+        let is_periodic = |boundaries: &Value| boundaries.to_string().contains("periodic");
+        for boundaries in boundaries(2).into_iter().filter(|boundaries| !is_periodic(boundaries)) {
+            // Walls ask for a body as thick as the support.
+            let has_walls = boundaries.to_string().contains("wall");
+            let ratios: &[f64] = match (has_walls, counts.contains(&1)) {
+                (true, true) => &[],
+                (true, false) => &[2.0, 3.0],
+                (false, _) => &[2.0, 3.7, 4.4],
+            };
+            for &support_ratio in ratios {
+                let boundaries = without_far_bodies(&boundaries, counts);
+                let name = format!("{counts:?} {support_ratio} {boundaries}");
+                let problem =
+                    scene(KernelKind::WendlandC2, support_ratio, &counts, boundaries).problem;
+                let (fields, exchange) = apart(&problem, &problem);
+                assert!(fields < 1e-13 && exchange < 1e-13, "{name}: {fields:e} {exchange:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn periodic_lines_longer_than_a_block_agree() {
+    for counts in [&[5000][..], &[5000, 12], &[2049, 12]] {
+        let axes = &["x", "y"][..counts.len()];
+        // A reach of one to four sites.
+        for support_ratio in [2.0, 3.0, 3.7, 4.4] {
+            let periodic = json!([{ "periodic": { "axes": axes } }]);
+            let problem = scene(KernelKind::WendlandC2, support_ratio, counts, periodic).problem;
+            let (fields, _) = apart(&problem, &problem);
+            assert!(fields < 1e-13, "{counts:?} {support_ratio}: {fields:e}");
+        }
     }
 }
 
@@ -200,4 +244,35 @@ fn shipped_cases_take_the_path_that_they_can() {
             assert!((a - b).abs() <= 1e-12 * b.abs(), "{name}: {a} {b}");
         }
     }
+}
+
+#[test]
+fn a_lattice_on_the_gpu_leaves_out_the_list_and_what_acts_on_no_site() {
+    let machine = MachineKind::Gpu(Precision::F32);
+    let plan = |name: &str| {
+        let problem = case::load(name, &[]).expect("it loads").problem;
+        let choice = PathChoice::new(&problem, machine, PathWish::Auto).expect("a path");
+        let plan = Plan::new(&problem, machine, &choice, 1000);
+        let left = plan.left_out.iter().map(|left| left.what).collect::<Vec<_>>();
+        (plan.path, plan.passes(&problem), left)
+    };
+    let (path, passes, left) = plan("gaussian_small");
+    assert_eq!(path, Path::Lattice);
+    assert_eq!(passes, ["stencil", "lattice_step", "finite"]);
+    let nothing = ["neighbour list and weights", "sorting into cells", "wall fold"];
+    assert_eq!(left, [&nothing[..], &["exchange of held particles"]].concat());
+    let (path, passes, left) = plan("constant_column");
+    assert_eq!(path, Path::Lattice);
+    assert_eq!(passes, ["stencil", "lattice_step", "exception_step", "finite"]);
+    assert_eq!(left, nothing);
+    let (path, passes, left) = plan("swinging_bar");
+    assert_eq!(path, Path::Lattice);
+    let steps = ["lattice_step", "exception_step", "finite"];
+    assert_eq!(passes, [&["stencil", "sort", "wall_fold"][..], &steps].concat());
+    assert!(!left.contains(&"sorting into cells"), "{left:?}");
+    // A body that is no full lattice: what the stencil cannot do is done by list, not left out.
+    let (path, passes, left) = plan("sphere_cooling");
+    assert_eq!(path, Path::List);
+    assert!(passes.contains(&"list") && !passes.contains(&"lattice_step"), "{passes:?}");
+    assert!(!left.contains(&"neighbour list and weights"), "{left:?}");
 }

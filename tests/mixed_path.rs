@@ -388,6 +388,27 @@ fn scenes_thinner_than_the_support_agree() {
     }
 }
 
+/// Empty sites that are passed over, and lines longer than what is worked on at once.
+#[test]
+fn long_gaps_and_long_lines_agree() {
+    let whole = json!({ "box": { "min": [0, 0], "max": [1250, 5] } });
+    let hole = json!({ "box": { "min": [200, 1], "max": [400, 4] } });
+    let notch = json!({ "box": { "min": [900, 3], "max": [960, 5] } });
+    let holed = cut(&whole, &[hole, notch]);
+    for support_ratio in [2.0, 3.7] {
+        for boundary in [
+            json!({ "periodic": { "axes": ["x", "y"] } }),
+            json!({ "wall": { "faces": faces(&["x", "y"]), "kind": { "value": "300 + x" } } }),
+        ] {
+            let shapes = [(holed.clone(), 0.7)];
+            let problem = scene(KernelKind::WendlandC2, support_ratio, 2, &shapes, &[boundary]);
+            let found = MixedScene::of(&problem).expect("mixed");
+            assert!(found.absent.iter().any(|gap| gap.len() > 700), "{:?}", found.absent.len());
+            agree(&problem, &format!("{support_ratio}"));
+        }
+    }
+}
+
 #[test]
 fn what_is_no_lattice_takes_the_list_and_says_why() {
     let holed = problems(KernelKind::CubicSpline, 2.0, 2).swap_remove(0).1;

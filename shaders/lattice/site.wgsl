@@ -16,7 +16,7 @@ fn along(at: u32, step: i32, count: u32, axis: u32, periodic: bool) -> Place {
         return Place(u32(place), real(1.0), true);
     }
     if periodic {
-        return Place(u32((place + whole) % whole), real(1.0), true);
+        return Place(u32((place % whole + whole) % whole), real(1.0), true);
     }
     let upper = place >= whole;
     let layer = select(-1 - place, place - whole, upper);

@@ -53,8 +53,8 @@ pub(super) struct WayArguments {
     /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
-    /// How neighbours are known, on the CPU: `lattice` takes a stencil wherever it holds and stored
-    /// rows elsewhere, `list` stored rows alone, `auto` the faster
+    /// How neighbours are known: `lattice` takes a stencil wherever it holds, and on the CPU stored
+    /// rows elsewhere; `list` stored rows alone; `auto` the faster
     #[arg(long, value_enum, default_value = "auto")]
     path: PathFlag,
 }

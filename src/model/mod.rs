@@ -15,6 +15,7 @@ pub(crate) mod scenes;
 pub mod stability;
 pub mod sum;
 pub mod wall;
+pub mod wide;
 
 pub use field::ScalarField;
 pub use kernel::{Kernel, KernelKind};

@@ -20,7 +20,7 @@ pub struct Plan {
     /// Why it is not the lattice path, where that was looked for.
     pub why_no_lattice: Option<&'static str>,
     /// Sites and stored rows of the mixed path.
-    pub mixed: Option<Mixed>,
+    pub mixed: Option<MixedSizes>,
     /// Whether the particles of a lattice are in another order than its sites.
     pub reorders: bool,
     /// What of the shaders and buffers the scene needs.
@@ -42,7 +42,7 @@ pub enum Path {
 
 /// Sizes of the mixed path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mixed {
+pub struct MixedSizes {
     /// Sites of the lattice, with a particle or without.
     pub sites: u64,
     /// Particles with rows of their own.
@@ -57,7 +57,7 @@ pub enum PathWish {
     Auto,
     /// The list, whatever the scene.
     List,
-    /// The stencil wherever it holds, be it lattice or mixed, or nothing.
+    /// The stencil wherever it holds, be it lattice or, on the CPU, mixed, or nothing.
     Lattice,
 }
 
@@ -195,7 +195,7 @@ impl Plan {
         let mixed = match choice {
             PathChoice::Mixed(scene, _) => {
                 let sites = scene.lattice.counts.iter().product::<usize>() as u64;
-                Some(Mixed { sites, rows: scene.rows() as u64 })
+                Some(MixedSizes { sites, rows: scene.rows() as u64 })
             }
             _ => None,
         };

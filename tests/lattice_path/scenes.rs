@@ -85,3 +85,19 @@ pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 /// Counts past twice the reach of every stencil here, and other than each other.
 pub(crate) const COUNTS: [&[usize]; 3] = [&[37], &[13, 11], &[9, 10, 11]];
+
+/// The same without the bodies that no particle of a box of these counts is in.
+pub(crate) fn without_far_bodies(boundaries: &Value, counts: [usize; 2]) -> Value {
+    let is_near = |boundary: &&Value| {
+        let Some(sphere) = boundary.pointer("/held/where/sphere") else {
+            return true;
+        };
+        let at = |axis: usize| sphere["center"][axis].as_f64().expect("a number");
+        let radius = sphere["radius"].as_f64().expect("a number");
+        let places = |axis: usize| (0..counts[axis]).map(|k| 0.25 * (k as f64 + 0.5));
+        let off =
+            |axis: usize| places(axis).map(|x| (x - at(axis)).abs()).fold(f64::INFINITY, f64::min);
+        off(0).hypot(off(1)) < radius
+    };
+    boundaries.as_array().expect("a list").iter().filter(is_near).cloned().collect()
+}

@@ -53,8 +53,11 @@ impl MixedScene {
         let counts = counts(problem, |axis| problem.domain.periodic[axis])?;
         let particles = problem.particles.len();
         let sites = sites_of(counts);
-        if (particles as f64) < LEAST_FILLED * sites as f64 || sites >= ABSENT as usize {
+        if (particles as f64) < LEAST_FILLED * sites as f64 {
             return Err("the particles fill less than a tenth of the box around them");
+        }
+        if sites >= ABSENT as usize {
+            return Err("the box around the particles has more sites than 32 bits number");
         }
         check_volume(problem)?;
         let walls = WallNeeds::of(problem);
@@ -167,7 +170,7 @@ impl MixedScene {
         self.visits.iter().filter(|visit| visit.whole).count()
     }
 
-    /// The first site with a row of its own.
+    /// The first site with a row of its own: a diagnostic.
     pub fn first_row(&self) -> Option<u32> {
         self.visits.iter().find(|visit| visit.whole).map(|visit| visit.rank)
     }

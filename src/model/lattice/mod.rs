@@ -1,4 +1,4 @@
-//! Sums over the infinite lattice, and scenes whose particles fill one.
+//! Sums over the infinite lattice, and scenes on a box lattice, filled or not.
 
 mod edge;
 mod mixed;
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 pub use edge::{Edge, End, Site};
 pub use mixed::MixedScene;
-pub use scene::{ABSENT, LatticeScene, LineClass};
+pub use scene::{ABSENT, LatticeScene, LineClass, WIDEST};
 
 use super::Kernel;
 

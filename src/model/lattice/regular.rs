@@ -3,11 +3,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::scene::{end, whole};
+use super::scene::{end, is_cooled, whole};
 use super::{ABSENT, Edge, End, LatticeScene};
 use crate::model::operator::PairWeight;
 use crate::model::wall::WalledFace;
-use crate::model::{Face, Problem, WallKind};
+use crate::model::{Face, Problem};
 
 /// The kind of a site without a particle.
 pub(super) const NOTHING: u16 = u16::MAX;
@@ -32,12 +32,8 @@ impl Ends {
         let mut ends: Vec<(Face, Option<End>)> = faces.map(|face| (face, of_face(face))).collect();
         let is_plain = |end: &Option<End>| matches!(end, Some(End::Mirror(_)));
         if has_several(problem) || !ends.iter().all(|(_, end)| is_plain(end)) {
-            let cools = |face: Face| {
-                let is_convection =
-                    |w: &crate::model::Wall| w.condition.kind == WallKind::Convection;
-                problem.walls.iter().any(|wall| wall.face == face && is_convection(wall))
-            };
-            ends.iter_mut().filter(|(face, _)| cools(*face)).for_each(|(_, end)| *end = None);
+            let cooled = ends.iter_mut().filter(|(face, _)| is_cooled(problem, *face));
+            cooled.for_each(|(_, end)| *end = None);
         }
         let known = |axis: usize, upper: bool| {
             let found = ends.iter().find(|(face, _)| *face == Face { axis, upper });
@@ -77,7 +73,7 @@ impl Near {
                 let at = |place: usize| {
                     let x = problem.domain.min
                         + DVec3::AXES[axis] * (place as f64 + 0.5) * problem.spacing;
-                    // One more layer for rounding.
+                    // A little further, for what rounding does to a site on the border.
                     let reach = problem.kernel.cutoff() + 0.01 * problem.spacing;
                     let is_near = |face: &Face| face.distance(&problem.domain, x) < reach;
                     faces.iter().filter(along).any(is_near)

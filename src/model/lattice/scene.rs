@@ -1,4 +1,4 @@
-//! Scenes whose particles fill a box lattice, where the sum over neighbours is a stencil.
+//! Box lattices with a stencil, and the scenes that are one all over: their particles fill the box.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Edge, End, for_each_neighbor};
 use crate::model::operator::{PairWeight, WallNeeds};
 use crate::model::wall::WalledFace;
-use crate::model::{Face, Problem, WallKind};
+use crate::model::{Face, Problem, Wall, WallKind};
 
 /// A particle this close to its site (in spacings) is on it: far from the origin, positions are
 /// rounded more.
@@ -21,12 +21,15 @@ const WHOLE: f64 = 1e-9;
 
 /// The widest reach of a stencil, in sites. A wider one has so many entries that it is no faster than
 /// a list.
-const WIDEST: usize = 4;
+pub const WIDEST: usize = 4;
 
 /// A site without a particle, in [`LatticeScene::order`].
 pub const ABSENT: u32 = u32::MAX;
 
-/// A lattice of one material: counts, order, edges and stencil.
+/// A box of sites with the stencil of one material: counts, order, edges and weights.
+///
+/// As a scene by itself every site has a particle of that material; in a [`super::MixedScene`] some may
+/// have none or one of another.
 #[derive(Clone, Debug)]
 pub struct LatticeScene {
     /// 1, 2 or 3.
@@ -92,7 +95,7 @@ impl LatticeScene {
     }
 
     /// The place of a site along each axis.
-    pub(super) fn at(&self, site: usize) -> [usize; 3] {
+    pub(crate) fn at(&self, site: usize) -> [usize; 3] {
         let [nx, ny, _] = self.counts;
         [site % nx, site / nx % ny, site / (nx * ny)]
     }
@@ -278,12 +281,18 @@ fn edges(
             *edge = Edge::Open([end(face(false))?, end(face(true))?]);
         }
     }
-    let is_convection = |w: &crate::model::Wall| w.condition.kind == WallKind::Convection;
     let is_free = |edge: &Edge| edge.is_free(false) || edge.is_free(true);
-    if problem.walls.iter().any(is_convection) && edges.iter().any(is_free) {
+    let is_cooled = |face: Face| is_cooled(problem, face);
+    if Face::all(problem.dimension).any(is_cooled) && edges.iter().any(is_free) {
         return Err("a convection wall meets a free face");
     }
     Ok(edges)
+}
+
+/// Whether a face, or a part of it, loses heat by convection.
+pub(super) fn is_cooled(problem: &Problem, face: Face) -> bool {
+    let is_convection = |wall: &Wall| wall.condition.kind == WallKind::Convection;
+    problem.walls.iter().any(|wall| wall.face == face && is_convection(wall))
 }
 
 /// What lies past a face.

@@ -1,6 +1,7 @@
 //! What a lattice's stencil tells about a scene, without a walk over its particles.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{LatticeScene, Site};
 use crate::model::Problem;
@@ -113,7 +114,7 @@ impl LatticeScene {
     /// ones, its own ghosts among them, and from what ghosts add to its diagonal: it is no exchange
     /// with others. `values` are in the problem's order.
     pub fn rates_among_held(&self, held: &[u32], values: &[f64]) -> Vec<f64> {
-        held.iter().map(|&site| self.rate_among_held(site as usize, held, values)).collect()
+        held.par_iter().map(|&site| self.rate_among_held(site as usize, held, values)).collect()
     }
 
     fn rate_among_held(&self, site: usize, held: &[u32], values: &[f64]) -> f64 {

@@ -1,12 +1,15 @@
 //! Some rows of the matrix in compressed form, and their product with a state.
 
+use super::wall_rows::WallCursor;
+use crate::model::wide::{Work, multiply_add};
+
 /// Rows in compressed form: row i has the columns `index[start[i]..start[i + 1]]`.
 #[derive(Clone, Debug)]
 pub(super) struct RowBlock {
     start: Vec<u32>,
     /// Ranks of the neighbours, each below the number of rows of the matrix.
     index: Vec<u32>,
-    /// Weights w_ab, 1/s, never negative.
+    /// Weights w_ab, 1/s: those of pairs are never negative, what walls add to them may be.
     weight: Vec<f64>,
 }
 
@@ -50,13 +53,7 @@ impl RowBlock {
         self.weight.shrink_to_fit();
     }
 
-    /// sum_b w_ab (C_b - C_a) of a row whose own value is `own`.
-    pub(super) fn rate(&self, row: usize, own: f64, state: &[f64]) -> f64 {
-        self.sum::<false>(row, own, state)
-    }
-
-    /// The same; with `FUSED`, a product and its sum are rounded once, which is slow where the
-    /// processor has no instruction for it.
+    /// sum_b w_ab (C_b - C_a) of a row whose own value is `own`; `FUSED` as in [`Work::run`].
     ///
     /// Differences, not a product with a stored diagonal: a constant field has rate 0 exactly.
     /// Four sums run side by side, so that the chain of additions does not set the speed.
@@ -65,7 +62,7 @@ impl RowBlock {
         unsafe_code,
         reason = "checking the bounds of every neighbour costs a tenth to a fifth of the speed"
     )]
-    pub(super) fn sum<const FUSED: bool>(&self, row: usize, own: f64, state: &[f64]) -> f64 {
+    pub(super) fn rate<const FUSED: bool>(&self, row: usize, own: f64, state: &[f64]) -> f64 {
         let range = self.start[row] as usize..self.start[row + 1] as usize;
         let (index, weight) = (&self.index[range.clone()], &self.weight[range]);
         let mut sum = [0.0_f64; 4];
@@ -95,8 +92,35 @@ impl RowBlock {
     }
 }
 
-/// a b + c, rounded once with `FUSED`.
-#[inline(always)]
-fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
+/// Writes `out[row] = combine(state, rate)` for the rows of a block, whose first rank is `first`.
+pub(super) struct Advance<'a, C> {
+    pub(super) block: &'a RowBlock,
+    pub(super) walls: WallCursor<'a>,
+    pub(super) first: usize,
+    pub(super) state: &'a [f64],
+    pub(super) out: &'a mut [f64],
+    pub(super) combine: C,
+}
+
+impl<C: Fn(f64, f64) -> f64> Work for Advance<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self { block, mut walls, first, state, out, combine } = self;
+        let mut done = 0;
+        // Rows with walls are few: the others run without a look at them.
+        while done < out.len() {
+            let next = walls.next_rank().saturating_sub(first).min(out.len());
+            for row in done..next {
+                let own = state[first + row];
+                out[row] = combine(own, block.rate::<FUSED>(row, own, state));
+            }
+            if next < out.len() {
+                let own = state[first + next];
+                out[next] = combine(own, block.rate::<FUSED>(next, own, state) + walls.take(own));
+            }
+            done = next + 1;
+        }
+    }
 }

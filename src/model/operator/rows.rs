@@ -5,12 +5,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::fold::{Fault, Fold, RowFold};
-use super::row_block::RowBlock;
+use super::row_block::{Advance, RowBlock};
 pub use super::survey::Survey;
-use super::wall_rows::{WallCursor, WallRowsBuilder};
+use super::wall_rows::WallRowsBuilder;
 use super::{PairWeight, WallRows};
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
-use crate::model::{Problem, lattice};
+use crate::model::{Problem, lattice, wide};
 
 /// Cells that one task of a parallel walk handles.
 const CELLS_PER_TASK: usize = 256;
@@ -351,7 +351,7 @@ impl Rows {
         assert!(source.is_empty() || source.len() == self.walls.len(), "one source a wall row");
         let advance = |(first, block, out): (usize, &RowBlock, &mut [f64])| {
             let walls = self.walls.cursor(first, source);
-            advance(block, walls, first, state, out, &combine);
+            wide::run(Advance { block, walls, first, state, out, combine: &combine });
         };
         let mut tasks = Vec::with_capacity(self.blocks.len());
         let (mut first, mut rest) = (0, out);
@@ -376,7 +376,7 @@ impl Rows {
     pub fn held_rates<'a>(&'a self, state: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         assert_eq!(state.len(), self.count, "one value a row");
         let rows = self.held_rank.iter().enumerate();
-        rows.map(|(row, &rank)| self.held.rate(row, state[rank as usize], state))
+        rows.map(|(row, &rank)| self.held.rate::<false>(row, state[rank as usize], state))
     }
 
     /// Bytes that the rows hold.
@@ -384,66 +384,6 @@ impl Rows {
         let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
         let walls = self.walls.memory_bytes();
         (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank) + walls) as u64
-    }
-}
-
-/// `out[row] = combine(state, rate)` for the rows of a block, whose first rank is `first`.
-fn advance(
-    block: &RowBlock,
-    walls: WallCursor<'_>,
-    first: usize,
-    state: &[f64],
-    out: &mut [f64],
-    combine: impl Fn(f64, f64) -> f64,
-) {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-        #[allow(unsafe_code, reason = "fused operations: a twentieth to a tenth of the speed")]
-        // SAFETY: the processor has the instructions.
-        unsafe {
-            advance_avx2(block, walls, first, state, out, combine);
-        }
-        return;
-    }
-    advance_anywhere::<false>(block, walls, first, state, out, combine);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-#[allow(unsafe_code, reason = "fused operations: a twentieth to a tenth of the speed")]
-unsafe fn advance_avx2(
-    block: &RowBlock,
-    walls: WallCursor<'_>,
-    first: usize,
-    state: &[f64],
-    out: &mut [f64],
-    combine: impl Fn(f64, f64) -> f64,
-) {
-    advance_anywhere::<true>(block, walls, first, state, out, combine);
-}
-
-#[inline(always)]
-fn advance_anywhere<const FUSED: bool>(
-    block: &RowBlock,
-    mut walls: WallCursor<'_>,
-    first: usize,
-    state: &[f64],
-    out: &mut [f64],
-    combine: impl Fn(f64, f64) -> f64,
-) {
-    let mut done = 0;
-    // Rows with walls are few: the others run without a look at them.
-    while done < out.len() {
-        let next = walls.next_rank().saturating_sub(first).min(out.len());
-        for row in done..next {
-            let own = state[first + row];
-            out[row] = combine(own, block.sum::<FUSED>(row, own, state));
-        }
-        if next < out.len() {
-            let own = state[first + next];
-            out[next] = combine(own, block.sum::<FUSED>(next, own, state) + walls.take(own));
-        }
-        done = next + 1;
     }
 }
 

@@ -9,8 +9,9 @@ use super::row_block::RowBlock;
 use super::rows::{Part, Survey, Walk};
 use super::wall_rows::WallRowsBuilder;
 use super::{PairWeight, WallRows};
-use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
+use crate::model::wide::Work;
+use crate::model::{Problem, wide};
 
 /// Rows that one task assembles, and one block holds.
 const ROWS_PER_TASK: usize = 2048;
@@ -95,11 +96,6 @@ impl SomeRows {
         (survey, rows)
     }
 
-    /// Ranks of the stored rows, ascending.
-    pub fn rank(&self) -> &[u32] {
-        &self.rank
-    }
-
     /// What walls add to these rows and to others.
     pub fn walls(&self) -> &WallRows {
         &self.walls
@@ -115,27 +111,10 @@ impl SomeRows {
         ranks: &Range<usize>,
         state: &[f64],
         source: &[f64],
-        mut write: impl FnMut(usize, f64),
+        write: impl FnMut(usize, f64),
     ) {
         assert_eq!(state.len(), self.count, "one value a rank");
-        let mut rows = within(&self.rank, ranks);
-        let mut block = self.first.partition_point(|&first| first <= rows.start);
-        while !rows.is_empty() {
-            let first = self.first[block - 1];
-            let end = self.first.get(block).map_or(rows.end, |&next| next.min(rows.end));
-            for row in rows.start..end {
-                let rank = self.rank[row] as usize;
-                let own = state[rank];
-                let rate = self.blocks[block - 1].rate(row - first, own, state);
-                let by_walls = match self.wall_row[row] {
-                    NONE => 0.0,
-                    wall => self.by_walls(wall as usize, own, source),
-                };
-                write(rank, rate + by_walls);
-            }
-            rows.start = end;
-            block += 1;
-        }
+        wide::run(Rates { rows: self, ranks, state, source, write });
     }
 
     fn by_walls(&self, wall: usize, own: f64, source: &[f64]) -> f64 {
@@ -149,7 +128,8 @@ impl SomeRows {
     pub fn held_rate(&self, ranks: &Range<usize>, state: &[f64]) -> f64 {
         assert_eq!(state.len(), self.count, "one value a rank");
         let held = within(&self.held_rank, ranks);
-        held.map(|row| self.held.rate(row, state[self.held_rank[row] as usize], state)).sum()
+        held.map(|row| self.held.rate::<false>(row, state[self.held_rank[row] as usize], state))
+            .sum()
     }
 
     /// Bytes that the rows hold.
@@ -160,6 +140,42 @@ impl SomeRows {
         let first = size_of_val(&*self.first);
         let ranks: usize = ranks.iter().sum();
         blocks + self.held.memory_bytes() + ranks + first + self.walls.memory_bytes()
+    }
+}
+
+/// See [`SomeRows::rates`].
+struct Rates<'a, W> {
+    rows: &'a SomeRows,
+    ranks: &'a Range<usize>,
+    state: &'a [f64],
+    source: &'a [f64],
+    write: W,
+}
+
+impl<W: FnMut(usize, f64)> Work for Rates<'_, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self { rows: all, ranks, state, source, mut write } = self;
+        let mut rows = within(&all.rank, ranks);
+        let mut block = all.first.partition_point(|&first| first <= rows.start);
+        while !rows.is_empty() {
+            let first = all.first[block - 1];
+            let end = all.first.get(block).map_or(rows.end, |&next| next.min(rows.end));
+            for row in rows.start..end {
+                let rank = all.rank[row] as usize;
+                let own = state[rank];
+                let rate = all.blocks[block - 1].rate::<FUSED>(row - first, own, state);
+                let by_walls = match all.wall_row[row] {
+                    NONE => 0.0,
+                    wall => all.by_walls(wall as usize, own, source),
+                };
+                write(rank, rate + by_walls);
+            }
+            rows.start = end;
+            block += 1;
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kernel::{Combine, Run, Scratch};
-use super::{Now, RATE, Rest};
+use super::{LatticeOperator, Now, RATE};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, WallRows, within};
@@ -85,7 +85,7 @@ impl Mixed {
     }
 }
 
-impl Rest for Mixed {
+impl LatticeOperator for Mixed {
     fn lattice(&self) -> &LatticeScene {
         &self.scene.lattice
     }

@@ -1,7 +1,7 @@
 //! The CPU backend of scenes on a lattice: two states and a stencil, and nothing more but for the rows
 //! that need it.
 
-pub(super) mod kernel;
+mod kernel;
 mod mixed;
 mod uniform;
 
@@ -36,14 +36,14 @@ struct Now<'a> {
 }
 
 /// A lattice with what it has beyond its stencil.
-trait Rest: Send + Sync {
+trait LatticeOperator: Send + Sync {
     fn lattice(&self) -> &LatticeScene;
 
     /// The rows that walls act on, by site.
     fn walls(&self) -> &WallRows;
 
-    /// Writes what `combine` makes of values and rates from site `first` on, a number of whole lines
-    /// or a part of one; returns what held particles among them gave, value x volume / s.
+    /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
+    /// last are along their lines; returns what held particles among them gave, value x volume / s.
     fn advance(
         &self,
         scratch: &mut Scratch,
@@ -59,7 +59,7 @@ trait Rest: Send + Sync {
 
 /// A lattice in memory. States are in the order of the sites; where there is no particle they are 0.
 pub struct LatticeBackend {
-    rest: Box<dyn Rest>,
+    operator: Box<dyn LatticeOperator>,
     source: Vec<f64>,
     state: Vec<f64>,
     next: Vec<f64>,
@@ -79,24 +79,24 @@ impl LatticeBackend {
         Self::with(problem, Box::new(Mixed::new(problem, scene.into(), rows)))
     }
 
-    fn with(problem: &Problem, rest: Box<dyn Rest>) -> Self {
+    fn with(problem: &Problem, operator: Box<dyn LatticeOperator>) -> Self {
         let mut source = Vec::new();
-        rest.walls().source_at(0.0, &mut source);
-        let state = rest.lattice().by_site(&problem.initial);
+        operator.walls().source_at(0.0, &mut source);
+        let state = operator.lattice().by_site(&problem.initial);
         let next = vec![0.0; state.len()];
-        Self { rest, source, state, next, exchange: CompensatedSum::default(), saved: None }
+        Self { operator, source, state, next, exchange: CompensatedSum::default(), saved: None }
     }
 
     /// Brings the source to `time` (s).
     fn update_source(&mut self, time: f64) {
-        if self.rest.walls().is_changing() {
-            self.rest.walls().source_at(time, &mut self.source);
+        if self.operator.walls().is_changing() {
+            self.operator.walls().source_at(time, &mut self.source);
         }
     }
 
     /// Values of a task: whole lines, or a part of a line that is long.
     fn task(&self) -> usize {
-        let nx = self.rest.lattice().counts[0];
+        let nx = self.operator.lattice().counts[0];
         if nx < TASK { nx * (TASK / nx).max(1) } else { TASK }
     }
 
@@ -104,10 +104,10 @@ impl LatticeBackend {
     /// value x volume / s.
     fn apply(&self, out: &mut [f64], combine: Combine) -> f64 {
         let task = self.task();
-        let scratch = || Scratch::new(self.rest.lattice());
+        let scratch = || Scratch::new(self.operator.lattice());
         let now = Now { state: &self.state, source: &self.source };
         let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
-            self.rest.advance(scratch, &now, k * task, out, combine)
+            self.operator.advance(scratch, &now, k * task, out, combine)
         };
         let entered: Vec<f64> = if out.len() < SERIAL {
             let mut scratch = scratch();
@@ -115,9 +115,9 @@ impl LatticeBackend {
         } else {
             out.par_chunks_mut(task).enumerate().map_init(scratch, advance).collect()
         };
-        let through_walls = match self.rest.walls().is_empty() {
+        let through_walls = match self.operator.walls().is_empty() {
             true => 0.0,
-            false => self.rest.walls().inflow(&self.state, &self.source),
+            false => self.operator.walls().inflow(&self.state, &self.source),
         };
         through_walls + entered.iter().sum::<f64>()
     }
@@ -143,14 +143,14 @@ impl Backend for LatticeBackend {
     }
 
     fn read(&mut self) -> Result<CpuField, SolverError> {
-        Ok(CpuField::new(self.rest.lattice().by_particle(&self.state)))
+        Ok(CpuField::new(self.operator.lattice().by_particle(&self.state)))
     }
 
     fn rate(&mut self, time: f64) -> Result<CpuField, SolverError> {
         self.update_source(time);
         let mut rates = vec![0.0; self.state.len()];
         self.apply(&mut rates, RATE);
-        Ok(CpuField::new(self.rest.lattice().by_particle(&rates)))
+        Ok(CpuField::new(self.operator.lattice().by_particle(&rates)))
     }
 
     fn exchange(&mut self) -> Result<f64, SolverError> {
@@ -179,7 +179,7 @@ impl Backend for LatticeBackend {
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |(state, _)| size_of_val(&**state));
         let states = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.source);
-        let order = self.rest.lattice().order.as_ref().map_or(0, |order| size_of_val(&**order));
-        (states + order + self.rest.memory_bytes()) as u64
+        let order = self.operator.lattice().order.as_ref().map_or(0, |order| size_of_val(&**order));
+        (states + order + self.operator.memory_bytes()) as u64
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::kernel::{Combine, Run, Scratch};
-use super::{Now, RATE, Rest};
+use super::{LatticeOperator, Now, RATE};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::{WallRows, within};
@@ -52,7 +52,7 @@ impl Uniform {
     }
 }
 
-impl Rest for Uniform {
+impl LatticeOperator for Uniform {
     fn lattice(&self) -> &LatticeScene {
         &self.scene
     }

@@ -7,9 +7,9 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use super::Limits;
-use crate::solver::Timing;
 #[cfg(target_arch = "x86_64")]
-use crate::solver::lattice::kernel::has_wide_vectors;
+use crate::model::wide::has_wide_vectors;
+use crate::solver::Timing;
 
 /// The largest array that is copied, bytes: far more than any cache holds.
 const MOST_COPIED: u64 = 512 << 20;
@@ -40,11 +40,10 @@ pub(super) fn measure(least: Duration, most: u64) -> Limits {
 
 /// The instructions that the stencil and the chains are made of, chosen at run time.
 pub fn instructions() -> &'static str {
-    #[cfg(target_arch = "x86_64")]
-    if has_wide_vectors() {
-        return "AVX2 and FMA";
+    match has_wide_vectors() {
+        true => "AVX2 and FMA",
+        false => "the least that this architecture has",
     }
-    "the least that this architecture has"
 }
 
 /// Bytes a second on as many threads as are best, and on one.
@@ -88,11 +87,7 @@ fn timed(least: Duration, mut work: impl FnMut()) -> f64 {
 
 /// How many chains a thread works on.
 fn chain_count() -> usize {
-    #[cfg(target_arch = "x86_64")]
-    if has_wide_vectors() {
-        return WIDE_CHAINS;
-    }
-    CHAINS
+    if has_wide_vectors() { WIDE_CHAINS } else { CHAINS }
 }
 
 /// The sum of the ends of chains of `links` links x -> `factor` x + `addend` from 0, 1, 2 ... on;

@@ -214,7 +214,7 @@ pub(super) fn held_contents(
 /// thick as the stencil reaches, so that it reaches no further than the next part.
 ///
 /// # Errors
-/// The least sites of a part, where that is more.
+/// The sites of the thickest part in the finest cut that there is, where these are more.
 fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
     let last = scene.dimension - 1;
     let layers = scene.counts[last];
@@ -223,7 +223,7 @@ fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
     let thickest = usize::try_from(most / layer as u64).unwrap_or(usize::MAX);
     let count = layers.div_ceil(thickest.max(1));
     if count > 1 && (thickest < least || layers / count < least) {
-        return Err((least * layer) as u64);
+        return Err((layers.div_ceil((layers / least).max(1)) * layer) as u64);
     }
     let start = |k: usize| k * layers / count * layer;
     Ok((0..count).map(|k| start(k)..start(k + 1)).collect())
@@ -292,12 +292,9 @@ mod tests {
         assert_eq!(parts(&box_of, 140), Ok(std::iter::once(0..140).collect()));
         assert_eq!(parts(&box_of, 139), Ok(vec![0..60, 60..140]));
         assert_eq!(parts(&box_of, 60), Ok(vec![0..40, 40..80, 80..140]));
-        assert_eq!(
-            parts(&box_of, 59),
-            Err(40),
-            "three layers of seven left over, of which one is 1"
-        );
-        assert_eq!(parts(&box_of, 19), Err(40));
+        // Seven layers are two, two and three.
+        assert_eq!(parts(&box_of, 59), Err(60));
+        assert_eq!(parts(&box_of, 19), Err(60));
         assert_eq!(parts(&scene([10, 1, 1], 1, 1), 4), Ok(vec![0..3, 3..6, 6..10]));
         assert_eq!(parts(&scene([3, 4, 1], 2, 1), 6), Ok(vec![0..6, 6..12]));
     }

@@ -1,0 +1,75 @@
+//! Work compiled twice: for any processor, and for one that has wider vectors and multiplies and adds
+//! with one rounding (AVX2 and FMA).
+//!
+//! Which of the two runs decides the last bits of a result, so that these depend on the processor;
+//! they do not depend on the number of threads.
+
+/// Work that is faster on wider vectors. Everything that it calls where it counts has to be inlined,
+/// closures too: what is compiled by itself is compiled for any processor.
+pub trait Work {
+    /// What it gives.
+    type Output;
+
+    /// Does it; with `FUSED`, by [`multiply_add`] with one rounding, which is slow where the
+    /// processor has no instruction for it. To be marked `#[inline(always)]`.
+    fn run<const FUSED: bool>(self) -> Self::Output;
+}
+
+/// Does `work` as this processor does it best.
+#[inline]
+pub fn run<W: Work>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if has_wide_vectors() {
+        #[allow(unsafe_code, reason = "twice the speed of a stencil, a tenth of that of rows")]
+        // SAFETY: the processor has the instructions.
+        return unsafe { run_wide(work) };
+    }
+    work.run::<false>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+#[allow(unsafe_code, reason = "twice the speed of a stencil, a tenth of that of rows")]
+unsafe fn run_wide<W: Work>(work: W) -> W::Output {
+    work.run::<true>()
+}
+
+/// Whether the processor has the wider vectors and fused multiplications.
+#[inline]
+pub fn has_wide_vectors() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// a b + c, rounded once with `FUSED`.
+#[inline(always)]
+pub fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Product(f64);
+
+    impl Work for Product {
+        type Output = f64;
+
+        #[inline(always)]
+        fn run<const FUSED: bool>(self) -> f64 {
+            multiply_add::<FUSED>(self.0, self.0, -self.0 * self.0)
+        }
+    }
+
+    #[test]
+    fn a_fused_product_keeps_what_rounding_takes_away() {
+        let value = 1.0 + f64::EPSILON;
+        assert_eq!(Product(value).run::<false>(), 0.0);
+        assert_eq!(Product(value).run::<true>(), f64::EPSILON * f64::EPSILON);
+        let kept = run(Product(value)) != 0.0;
+        assert_eq!(kept, has_wide_vectors());
+    }
+}
