@@ -10,7 +10,7 @@ fn row_sum(row: u32) -> real {
     let end = first + list_length(row) * SLICE_ROWS;
     var sum = real(0.0);
     for (var i = first; i < end; i += SLICE_ROWS) {
-        sum += weight[i] * (before[neighbor[i]] - own);
+        sum += weight[i] * collapsed(before[neighbor[i]] - own);
     }
     return sum;
 }

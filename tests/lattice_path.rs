@@ -258,16 +258,16 @@ fn a_lattice_on_the_gpu_leaves_out_the_list_and_what_acts_on_no_site() {
     };
     let (path, passes, left) = plan("gaussian_small");
     assert_eq!(path, Path::Lattice);
-    assert_eq!(passes, ["stencil", "lattice_step", "finite"]);
+    assert_eq!(passes, ["stencil", "lattice_step", "finite", "still"]);
     let nothing = ["neighbour list and weights", "sorting into cells", "wall fold"];
     assert_eq!(left, [&nothing[..], &["exchange of held particles"]].concat());
     let (path, passes, left) = plan("constant_column");
     assert_eq!(path, Path::Lattice);
-    assert_eq!(passes, ["stencil", "lattice_step", "exception_step", "finite"]);
+    assert_eq!(passes, ["stencil", "lattice_step", "exception_step", "finite", "still"]);
     assert_eq!(left, nothing);
     let (path, passes, left) = plan("swinging_bar");
     assert_eq!(path, Path::Lattice);
-    let steps = ["lattice_step", "exception_step", "finite"];
+    let steps = ["lattice_step", "exception_step", "finite", "still"];
     assert_eq!(passes, [&["stencil", "sort", "wall_fold"][..], &steps].concat());
     assert!(!left.contains(&"sorting into cells"), "{left:?}");
     // A body that is no full lattice: what the stencil cannot do is done by list, not left out.

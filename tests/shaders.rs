@@ -7,7 +7,9 @@ use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
-use diffusph::solver::gpu::passes::{CHUNK, Choices, GRID, STEP_SIZE, WallTerms, finite};
+use diffusph::solver::gpu::passes::{
+    CHUNK, Choices, GRID, STEP_SIZE, WallTerms, finite, self_test, still,
+};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
 
@@ -113,7 +115,7 @@ fn lattices() -> Vec<StencilSource> {
 
 fn a_choice(precision: Precision) -> Choices {
     let mut all = combinations().into_iter();
-    all.find(|choices| choices.precision == precision).expect("both precisions are among them")
+    all.find(|choices| choices.precision == precision).expect("every precision is among them")
 }
 
 #[test]
@@ -121,7 +123,9 @@ fn every_combination_is_valid() {
     let mut seen = BTreeSet::new();
     let passes = combinations().into_iter().flat_map(|choices| choices.all());
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
-    let passes = passes.chain(Real::ALL.map(|real| finite(real, 64)));
+    let on_states = |precision| [finite(precision, 64), still(precision, 64)];
+    let passes = passes.chain(Precision::ALL.into_iter().flat_map(on_states));
+    let passes = passes.chain([self_test()]);
     let passes = passes.chain(Real::ALL.into_iter().flat_map(limit_sources));
     for source in passes.chain(scan_sources()) {
         let text = source.link().expect("every file exists");

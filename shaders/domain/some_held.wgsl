@@ -6,6 +6,6 @@ fn is_held(row: u32) -> bool {
 
 // What a held particle would have gained, it has taken from the others.
 fn record_exchange(row: u32, increment: real) {
-    exchange[row] -= increment;
+    exchange[row] = accumulated(exchange[row], -increment);
 }
 

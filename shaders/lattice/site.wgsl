@@ -30,8 +30,8 @@ fn along(at: u32, step: i32, count: u32, axis: u32, periodic: bool) -> Place {
 }
 
 // The difference to what is at a site, times a factor.
-fn difference(site: u32, factor: real, exists: bool, own: real) -> real {
-    return select(real(0.0), factor * value_at(site) - own, exists);
+fn difference(site: u32, factor: real, exists: bool, own: Value) -> Value {
+    return select(exactly(real(0.0)), factor * value_at(site) - own, exists);
 }
 
 fn is_inside(at: u32, count: u32, reach: u32) -> bool {
@@ -40,7 +40,7 @@ fn is_inside(at: u32, count: u32, reach: u32) -> bool {
 
 // sum_b w_ab (C_b - C_a) around a site: its rate of change, dimensionless in time. `interior_sum`
 // knows the distances to all neighbours; `edge_sum` finds each.
-fn stencil_sum(site: u32, own: real) -> real {
+fn stencil_sum(site: u32, own: Value) -> real {
     let at = vec3<u32>(site % NX, site / NX % NY, site / (NX * NY));
     if is_inside(at.x, NX, REACH) && is_inside(at.y, NY, REACH_Y) && is_inside(at.z, NZ, REACH_Z) {
         return interior_sum(site, own);

@@ -1,10 +1,10 @@
 // The state is one buffer.
 
-fn value_at(site: u32) -> real {
+fn value_at(site: u32) -> Value {
     return before[site];
 }
 
-fn own_value(site: u32) -> real {
+fn own_value(site: u32) -> Value {
     return before[site];
 }
 

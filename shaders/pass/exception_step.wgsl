@@ -14,12 +14,12 @@ fn exception_step(
     let own = own_value(site);
     let step = step_size.over_reference;
     let sum = stencil_sum(site, own);
-    let rate = sum + wall_rate(row, own);
-    record_inflow(row, own, step);
+    let rate = sum + wall_rate(row, collapsed(own));
+    record_inflow(row, collapsed(own), step);
     if is_held(row) {
         record_exchange(row, step * sum, step);
         after[site - part.first_site] = own;
     } else {
-        after[site - part.first_site] = own + step * rate;
+        after[site - part.first_site] = advanced(own, step * rate);
     }
 }

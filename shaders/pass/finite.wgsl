@@ -7,7 +7,7 @@ fn finite(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = flat_index(group, groups, lane);
-    if i < arrayLength(&state) && !is_finite(state[i]) {
+    if i < arrayLength(&state) && !is_finite(collapsed(state[i])) {
         atomicMax(&flag[0], 1u);
     }
 }

@@ -8,7 +8,7 @@ fn rate(
 ) {
     let row = chunk.first_row + flat_index(group, groups, lane);
     if row < chunk.end_row {
-        let rate = row_sum(row) + wall_rate(row, before[row]);
-        after[row] = select(rate, real(0.0), is_held(row));
+        let rate = row_sum(row) + wall_rate(row, collapsed(before[row]));
+        after[row] = exactly(select(rate, real(0.0), is_held(row)));
     }
 }

@@ -12,12 +12,12 @@ fn step(
     }
     let own = before[row];
     let step = step_size.over_reference;
-    let increment = step * (row_sum(row) + wall_rate(row, own));
-    record_inflow(row, own, step);
+    let increment = step * (row_sum(row) + wall_rate(row, collapsed(own)));
+    record_inflow(row, collapsed(own), step);
     if is_held(row) {
         record_exchange(row, increment);
         after[row] = own;
     } else {
-        after[row] = own + increment;
+        after[row] = advanced(own, increment);
     }
 }

@@ -2,10 +2,10 @@
 // its own steps, so that none has to wait for another.
 
 fn wall_source_at(slot: u32) -> real {
-    return wall_source[u32(wall[slot].w) * arrayLength(&wall) + slot];
+    return wall_source[u32(wall[2u * slot].z) * (arrayLength(&wall) / 2u) + slot];
 }
 
 fn end_step(slot: u32) {
-    wall[slot].w = real((u32(wall[slot].w) + 1u) % SOURCE_STEPS);
+    wall[2u * slot].z = real((u32(wall[2u * slot].z) + 1u) % SOURCE_STEPS);
 }
 

@@ -50,7 +50,8 @@ pub(super) struct MachineArguments {
 pub(super) struct WayArguments {
     #[command(flatten)]
     machine: MachineArguments,
-    /// The precision: the CPU path is f64; `auto` is f64 there and f32 on a GPU
+    /// The precision. The CPU path is f64. On a GPU, `compensated` keeps values in two words of
+    /// f32; `auto` is f32 where every step adds more than f32 loses, else compensated, else f64
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
     /// How neighbours are known: `lattice` takes a stencil wherever it holds, and on the CPU stored
@@ -71,6 +72,7 @@ enum BackendFlag {
 pub(super) enum PrecisionFlag {
     Auto,
     F32,
+    Compensated,
     F64,
 }
 
@@ -88,6 +90,7 @@ impl PrecisionFlag {
         match self {
             Self::Auto => None,
             Self::F32 => Some(Precision::F32),
+            Self::Compensated => Some(Precision::Compensated),
             Self::F64 => Some(Precision::F64),
         }
     }

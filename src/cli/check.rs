@@ -10,7 +10,7 @@ use crate::case::Scene;
 use crate::model::integrator::Schedule;
 use crate::model::{Problem, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
-use crate::solver::{Machine, PathChoice};
+use crate::solver::{Machine, Opened, PathChoice};
 use crate::study::{self, Prepared};
 
 #[derive(Debug, Args)]
@@ -27,16 +27,22 @@ pub(super) struct Arguments {
 
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let mut scene = arguments.case.load()?;
-    let (machine, passed_over) = Machine::open(&arguments.way.wish())?;
-    scene.warnings.extend(passed_over);
+    let Opened { machine, why_precision, warnings } =
+        Machine::open_for(&arguments.way.wish(), &scene.problem)?;
+    scene.warnings.extend(warnings);
     let problem = &scene.problem;
     let choice = PathChoice::new(problem, machine.kind(), arguments.way.path())?;
     let (prepared, _) =
         study::prepare(problem, machine.kind(), choice, arguments.allow_unstable, false)?;
-    print(describe(&scene, &prepared, machine.adapter()))
+    print(describe(&scene, &prepared, machine.adapter(), why_precision.as_deref()))
 }
 
-fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String {
+fn describe(
+    scene: &Scene,
+    prepared: &Prepared,
+    adapter: Option<&str>,
+    why_precision: Option<&str>,
+) -> String {
     let Prepared { survey, step, plan } = prepared;
     let problem = &scene.problem;
     let seconds = |s: f64| match s.is_finite() {
@@ -62,10 +68,11 @@ fn describe(scene: &Scene, prepared: &Prepared, adapter: Option<&str>) -> String
         (
             "machine",
             format!(
-                "{}{}, {}",
+                "{}{}, {}{}",
                 plan.machine.backend_name(),
                 adapter.map(|a| format!(" ({a})")).unwrap_or_default(),
-                plan.machine.precision().name()
+                plan.machine.precision().name(),
+                why_precision.map(|why| format!(": {why}")).unwrap_or_default()
             ),
         ),
         ("path", plan.path_in_words(problem)),

@@ -140,6 +140,12 @@ fn with_causes(error: &CliError) -> String {
     text
 }
 
+/// Tells the user something before a command goes on.
+fn warn(text: &str) {
+    // Nothing can be done where standard error is closed.
+    let _ = writeln!(io::stderr(), "diffusph: warning: {text}");
+}
+
 /// Prints a line, or text that ends with one.
 fn print(text: impl AsRef<str>) -> Result<(), CliError> {
     let text = text.as_ref();

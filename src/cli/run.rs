@@ -7,10 +7,10 @@ use clap::Args;
 
 use super::arguments::{CaseArguments, WayArguments};
 use super::progress::Monitor;
-use super::{CliError, print, print_json};
+use super::{CliError, print, print_json, warn};
 use crate::case::Scene;
 use crate::report::OutputFolder;
-use crate::solver::Machine;
+use crate::solver::{Machine, Opened};
 use crate::study::{self, Outcome, RunOptions};
 
 #[derive(Debug, Args)]
@@ -42,12 +42,18 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let started = Instant::now();
     let mut scene = arguments.case.load()?;
-    let (machine, passed_over) = Machine::open(&arguments.way.wish())?;
-    scene.warnings.extend(passed_over);
+    let Opened { machine, why_precision, warnings } =
+        Machine::open_for(&arguments.way.wish(), &scene.problem)?;
     let monitor = Monitor::new(arguments.quiet || arguments.json)?;
+    if !arguments.quiet {
+        // The summary repeats them, but the run may be long.
+        warnings.iter().for_each(|warning| warn(warning));
+    }
+    scene.warnings.extend(warnings);
     let folder = folder(arguments, &scene)?;
     let options = RunOptions {
         machine: &machine,
+        why_precision,
         path: arguments.way.path(),
         allow_unstable: arguments.allow_unstable,
         folder: folder.as_ref(),

@@ -32,6 +32,8 @@ pub struct RunReport {
     pub adapter: Option<String>,
     /// `f64`, `f32` or `compensated`.
     pub precision: String,
+    /// Why in this precision, where the scene decided.
+    pub why_precision: Option<String>,
     /// 1, 2 or 3.
     pub dimension: usize,
     /// How many particles.

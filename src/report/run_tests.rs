@@ -12,6 +12,7 @@ fn example() -> RunReport {
         backend: "gpu".into(),
         adapter: Some("A fast one".into()),
         precision: "compensated".into(),
+        why_precision: Some("in f32 it would stand still".into()),
         dimension: 3,
         particles: 1_000_000,
         path: "lattice".into(),
@@ -50,8 +51,8 @@ fn the_names_are_those_that_readers_rely_on() {
     let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
     assert_eq!(
         keys(&json).join(" "),
-        "report_version case title diffusph_version backend adapter precision dimension particles \
-         path method steps operator_applications dt dt_limit simulated_s wall_s updates_per_s \
+        "report_version case title diffusph_version backend adapter precision why_precision dimension \
+         particles path method steps operator_applications dt dt_limit simulated_s wall_s updates_per_s \
          memory_bytes field conserved density error probes left_out warnings"
     );
     for (place, names) in [

@@ -58,6 +58,9 @@ impl Summary<'_> {
         line(f, "scene", format!("{count} particles, {}-D, {} path", r.dimension, r.path))?;
         let adapter = r.adapter.as_ref().map_or_else(String::new, |name| format!(", {name}"));
         line(f, "backend", format!("{}{adapter}, {}", r.backend, r.precision))?;
+        if let Some(why) = &r.why_precision {
+            line(f, "", why)?;
+        }
         let applications = grouped(r.operator_applications);
         line(f, "method", format!("{}, {applications} operator applications", r.method))?;
         line(f, "time", simulated_time(r.simulated_s))?;

@@ -27,6 +27,8 @@ pub struct Progress {
     pub steps: u64,
     /// Time reached, s.
     pub time: f64,
+    /// Since when nothing has changed.
+    pub still: Option<Still>,
 }
 
 /// Who is told of a run as it goes.
@@ -45,6 +47,16 @@ pub trait Observer {
     fn last_state(&mut self, time: f64, state: &[f64]) -> Result<(), Self::Error>;
 }
 
+/// Since when a run has changed nothing, as far as it was looked at: a look compares the states before
+/// and after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Still {
+    /// Steps taken at the last look that saw a change, or at none.
+    pub step: u64,
+    /// The time then, s.
+    pub time: f64,
+}
+
 /// Runs `schedule` on `backend`. A value that is not finite stops the run with the step, time and
 /// particle where it came up; the last state known to be finite goes to the observer first.
 pub fn advance<B: Backend, O: Observer>(
@@ -53,7 +65,7 @@ pub fn advance<B: Backend, O: Observer>(
     schedule: &Schedule,
     observer: &mut O,
 ) -> Result<(), O::Error> {
-    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK };
+    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK, still: None };
     let mut start = 0.0;
     for segment in schedule.clone() {
         run.segment(backend, problem, observer, start, &segment)?;
@@ -69,6 +81,7 @@ struct Run {
     steps: u64,
     step: u64,
     chunk: u64,
+    still: Option<Still>,
 }
 
 impl Run {
@@ -102,7 +115,9 @@ impl Run {
             done += count;
             self.step += count;
             let time = start + done as f64 * segment.dt;
-            let progress = Progress { step: self.step, steps: self.steps, time };
+            let before = Still { step: self.step - count, time: time - count as f64 * segment.dt };
+            self.still = backend.is_still()?.then(|| self.still.unwrap_or(before));
+            let progress = Progress { step: self.step, steps: self.steps, time, still: self.still };
             if observer.progress(progress).is_break() && self.step < self.steps {
                 observer.last_state(time, backend.read()?.as_ref())?;
                 return Err(SolverError::Interrupted { step: self.step, time }.into());

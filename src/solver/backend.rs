@@ -28,6 +28,11 @@ pub trait Backend {
     /// Whether every value is finite.
     fn is_finite(&mut self) -> Result<bool, SolverError>;
 
+    /// Whether the last step changed nothing at all, as far as the machine looks: in f64 it need not.
+    fn is_still(&mut self) -> Result<bool, SolverError> {
+        Ok(false)
+    }
+
     /// Keeps a copy of the state on the machine, replacing the one before.
     fn save(&mut self) -> Result<(), SolverError>;
 

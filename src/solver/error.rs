@@ -112,6 +112,23 @@ pub enum SolverError {
         /// The precision asked for.
         precision: Precision,
     },
+    /// A device whose compiler deletes compensated sums.
+    #[error("--precision compensated: {fault}; leave the flag out, and what is right is taken")]
+    NotCompensated {
+        /// What its self-test found.
+        fault: String,
+    },
+    /// A run that f32 may spoil, on a device that has nothing better.
+    #[error(
+        "{harm}; this adapter has no f64, and {fault}: take `--backend cpu`, or `--precision f32` \
+         all the same"
+    )]
+    NothingBetter {
+        /// What f32 would do.
+        harm: String,
+        /// What the self-test of compensated sums found.
+        fault: String,
+    },
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
@@ -127,7 +144,9 @@ impl SolverError {
             | Self::SurfaceInside { .. }
             | Self::NoLattice { .. }
             | Self::AdapterOnCpu { .. }
-            | Self::PrecisionOnCpu { .. } => true,
+            | Self::PrecisionOnCpu { .. }
+            | Self::NotCompensated { .. }
+            | Self::NothingBetter { .. } => true,
             Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
             Self::Gpu(error) => error.is_usage(),
         }

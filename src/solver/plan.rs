@@ -237,11 +237,13 @@ impl Plan {
 
     /// The passes of a step, in order.
     fn step_passes(&self) -> Vec<&'static str> {
-        if self.machine != MachineKind::Cpu {
-            return match self.path {
-                Path::List | Path::Mixed => gpu::passes::STEP.to_vec(),
+        if let MachineKind::Gpu(precision) = self.machine {
+            let mut passes = match self.path {
+                Path::List | Path::Mixed => vec!["step"],
                 Path::Lattice => gpu::lattice::step_passes(self.needs),
             };
+            passes.extend(gpu::passes::looks(precision));
+            return passes;
         }
         let mut passes = Vec::new();
         if self.needs.walls == WallNeeds::Changing {
@@ -258,13 +260,14 @@ impl Plan {
     /// list on the GPU: `entries` is the number of neighbours over all particles.
     pub fn memory_bytes(&self, problem: &Problem, entries: u64) -> u64 {
         let particles = problem.particles.len() as u64;
-        let real = self.machine.precision().bytes();
+        let precision = self.machine.precision();
+        let (real, state) = (precision.bytes(), precision.state_bytes());
         match self.path {
             // Two states and the saved one; order and start, or length, of each row.
-            Path::List => entries * (4 + real) + particles * (3 * real + 8),
+            Path::List => entries * (4 + real) + particles * (3 * state + 8),
             Path::Lattice | Path::Mixed => {
                 let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
-                let by_site = 3 * real + if self.reorders { 4 } else { 0 };
+                let by_site = 3 * state + if self.reorders { 4 } else { 0 };
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         }
@@ -305,7 +308,7 @@ impl Plan {
             let bytes = match (path, machine) {
                 (Path::Lattice | Path::Mixed, _) => 0,
                 (Path::List, MachineKind::Cpu) => particles * 8,
-                (Path::List, MachineKind::Gpu(_)) => particles * real,
+                (Path::List, MachineKind::Gpu(_)) => particles * 2 * real,
             };
             leave("exchange of held particles", "no particle is held", bytes);
         }
@@ -405,7 +408,7 @@ mod tests {
             ("volume and diffusivity by particle", 512),
             ("nearest images", 0),
             ("wall fold", 0),
-            ("exchange of held particles", 256),
+            ("exchange of held particles", 512),
         ];
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
     }

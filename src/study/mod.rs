@@ -3,6 +3,7 @@
 mod bench;
 mod recorder;
 mod run;
+mod stagnated;
 
 pub use bench::{BenchOptions, BenchOutcome, BenchProgress, LEAST_SIZE, bench};
 pub use run::{

@@ -13,7 +13,7 @@ use crate::model::interpolation::Interpolation;
 use crate::model::operator::rows;
 use crate::report::run::ProbeReport;
 use crate::report::{OutputFolder, ProbeRecord, ProbeWriter, SeriesWriter};
-use crate::solver::{Observer, Progress};
+use crate::solver::{Observer, Progress, Still};
 
 /// Writes fields and probes at their times, and keeps the last state.
 pub(super) struct Recorder<'a> {
@@ -27,6 +27,8 @@ pub(super) struct Recorder<'a> {
     pub(super) time: f64,
     /// The last state, in the problem's order.
     pub(super) state: Cow<'a, [f64]>,
+    /// Since when the state has not changed.
+    pub(super) still: Option<Still>,
     /// Time spent here.
     pub(super) spent: Duration,
 }
@@ -63,6 +65,7 @@ impl<'a> Recorder<'a> {
             density,
             time: 0.0,
             state,
+            still: None,
             spent: Duration::ZERO,
         };
         recorder.write_fields()?;
@@ -163,6 +166,7 @@ impl Observer for Recorder<'_> {
     type Error = RunError;
 
     fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+        self.still = progress.still;
         (self.progress)(progress)
     }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 
 use super::recorder::Recorder;
+use super::stagnated::stagnated;
 use crate::case::Scene;
 use crate::model::Problem;
 use crate::model::integrator::Schedule;
@@ -35,6 +36,8 @@ const CURVE_POINTS: u32 = 600;
 pub struct RunOptions<'a> {
     /// Where it runs.
     pub machine: &'a Machine,
+    /// Why in the machine's precision, where the scene decided.
+    pub why_precision: Option<String>,
     /// Which path it takes.
     pub path: PathWish,
     /// Whether a step above the stability limit may run.
@@ -50,6 +53,7 @@ impl<'a> RunOptions<'a> {
     pub fn new(machine: &'a Machine) -> Self {
         Self {
             machine,
+            why_precision: None,
             path: PathWish::Auto,
             allow_unstable: false,
             folder: None,
@@ -350,6 +354,10 @@ fn finish(
     let clock = Instant::now();
     let exact = recorder.exact();
     let mut report = report(setup, &recorder, exact.as_deref(), measured);
+    if let Some(still) = recorder.still {
+        let problem = &setup.scene.problem;
+        report.warnings.extend(stagnated(problem, &recorder.state, recorder.time, still));
+    }
     if let Some(error) = &stopped {
         report.warnings.push(format!("stopped early: {error}"));
     }
@@ -389,6 +397,7 @@ fn report(
         dimension: problem.dimension,
         particles,
         path: plan.path.name().to_owned(),
+        why_precision: setup.options.why_precision.clone(),
         method: problem.time.method.name().to_owned(),
         steps: measured.steps,
         operator_applications: measured.steps + step.applications,

@@ -23,10 +23,10 @@ pub(crate) fn device() -> &'static Device {
     })
 }
 
-/// The spacing of the numbers just above 1.
+/// The spacing of the numbers just above 1 in which rates are computed.
 pub(crate) fn epsilon(precision: Precision) -> f64 {
     match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F32 | Precision::Compensated => f64::from(f32::EPSILON),
         Precision::F64 => f64::EPSILON,
     }
 }

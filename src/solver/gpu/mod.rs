@@ -9,6 +9,7 @@ mod list;
 mod operator;
 pub mod passes;
 mod scaling;
+mod self_test;
 mod sorted;
 mod steps;
 mod walls;
@@ -30,6 +31,7 @@ use operator::Operator;
 pub use passes::Choices;
 use passes::WallTerms;
 use scaling::{Scaling, reference_step};
+pub use self_test::SelfTest;
 pub use sorted::Sorted;
 use steps::Steps;
 use walls::{WallSlots, Walls};
@@ -76,7 +78,7 @@ pub struct GpuBackend {
     operator: Operator,
     /// Which particle is in each place of the state; `None` where that is their own order.
     order: Option<Vec<u32>>,
-    /// Where in the exchange each held particle's is, and its volume.
+    /// Where in the exchange each held particle's begins, in two words, and its volume.
     held: Vec<(usize, f64)>,
     steps: Steps,
     /// Reference step, s.
@@ -138,7 +140,9 @@ impl GpuBackend {
         let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
         let exchange = match choices.held {
-            true => Some(device.storage("exchange", (order.len() * choices.real().size()) as u64)?),
+            true => Some(
+                device.storage("exchange", 2 * order.len() as u64 * options.precision.bytes())?,
+            ),
             false => None,
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
@@ -148,7 +152,7 @@ impl GpuBackend {
             device: device.clone(),
             operator,
             order: Some(order),
-            held: held.into_iter().map(|(row, volume)| (row as usize, volume)).collect(),
+            held: held.into_iter().map(|(row, volume)| (2 * row as usize, volume)).collect(),
             reference_step: scaling.step,
             saved: None,
         })
@@ -194,7 +198,7 @@ impl GpuBackend {
             device: device.clone(),
             operator,
             order: scene.order.clone(),
-            held: (0..held.len()).map(|k| (2 * k + 1, volume)).collect(),
+            held: (0..held.len()).map(|k| (4 * k, volume)).collect(),
             reference_step: step,
             saved: None,
         })
@@ -233,10 +237,10 @@ impl GpuBackend {
 
     /// Reads the parts of a field and puts its values into the problem's order, times `factor`.
     fn field(&self, parts: &[Buffer], factor: f64) -> Result<GpuField, SolverError> {
-        let real = self.operator.real();
+        let precision = self.operator.precision();
         let mut values = Vec::new();
         for part in parts {
-            values.extend(real.from_bytes(&self.device.read(part)?));
+            values.extend(precision.state_from_bytes(&self.device.read(part)?));
         }
         values.iter_mut().for_each(|value| *value *= factor);
         let Some(order) = &self.order else {
@@ -276,13 +280,19 @@ impl Backend for GpuBackend {
         let Some(buffer) = self.steps.exchange() else {
             return Ok(through_walls);
         };
-        let given = self.operator.real().from_bytes(&self.device.read(buffer)?);
-        let amount = |&(place, volume): &(usize, f64)| volume * given[place];
+        let real = self.operator.precision().real();
+        let given = real.from_bytes(&self.device.read(buffer)?);
+        let amount = |&(place, volume): &(usize, f64)| volume * (given[place] + given[place + 1]);
         Ok(through_walls + self.held.iter().map(amount).sum::<f64>())
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
         Ok(self.steps.is_finite(&self.device)?)
+    }
+
+    fn is_still(&mut self) -> Result<bool, SolverError> {
+        let may_stagnate = self.operator.precision() != Precision::F64;
+        Ok(may_stagnate && self.steps.is_still(&self.device)?)
     }
 
     fn save(&mut self) -> Result<(), SolverError> {

@@ -6,7 +6,8 @@ use super::lattice::Lattice;
 use super::list::{Chunk, List};
 use super::passes::Choices;
 use super::walls::WallSlots;
-use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
+use crate::gpu::{Buffer, Device, GpuError, Pass};
+use crate::solver::Precision;
 
 /// What rates come from.
 #[derive(Debug)]
@@ -49,11 +50,11 @@ impl Fields<'_> {
 }
 
 impl Operator {
-    /// What `real` means in its shaders.
-    pub(super) fn real(&self) -> Real {
+    /// The precision.
+    pub(super) fn precision(&self) -> Precision {
         match self {
-            Self::List { choices, .. } => choices.real(),
-            Self::Lattice(lattice) => lattice.real(),
+            Self::List { choices, .. } => choices.precision,
+            Self::Lattice(lattice) => lattice.precision(),
         }
     }
 
@@ -114,15 +115,13 @@ fn list_pass(
         &chunk.weight,
         &fields.from[0],
         &fields.to[0],
+        fields.step_size,
     ];
     buffers.extend(fields.exchange);
     buffers.extend(fields.walls());
     let source = match makes {
         Makes::Rate => choices.rate(),
-        Makes::Step => {
-            buffers.push(fields.step_size);
-            choices.step()
-        }
+        Makes::Step => choices.step(),
     };
     device.pass(&source, &buffers, chunk.row_count())
 }

@@ -43,8 +43,13 @@ pub const SETUP: [&str; 9] = [
 /// The pass that adds the walls to the list.
 pub const WALL_SETUP: &str = "wall_fold";
 
-/// The passes of a run's steps.
-pub const STEP: [&str; 2] = ["step", "finite"];
+/// The passes that look at a state now and then. In f64 none looks whether it still changes.
+pub fn looks(precision: Precision) -> &'static [&'static str] {
+    match precision {
+        Precision::F32 | Precision::Compensated => &["finite", "still"],
+        Precision::F64 => &["finite"],
+    }
+}
 
 /// The grid of cells and what the weights are scaled by.
 pub static GRID: BlockLayout = BlockLayout {
@@ -57,9 +62,9 @@ pub static GRID: BlockLayout = BlockLayout {
 pub static CHUNK: BlockLayout =
     BlockLayout { name: "Chunk", counts: &["first_row", "end_row"], reals: &[] };
 
-/// The step over the reference step.
+/// The step over the reference step, and a zero that compilers do not know.
 pub static STEP_SIZE: BlockLayout =
-    BlockLayout { name: "StepSize", counts: &[], reals: &["over_reference"] };
+    BlockLayout { name: "StepSize", counts: &["opaque_zero"], reals: &["over_reference"] };
 
 /// What walls add to a step beyond weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,15 +143,74 @@ pub(super) const fn write(name: &'static str, element: Element) -> Binding {
     Binding::new(name, Holds::Write(element))
 }
 
+/// The elements of a state.
+pub(super) fn value(precision: Precision) -> Element {
+    if precision.words() == 2 { Element::Real2 } else { Element::Real }
+}
+
+/// The shader files of a state and of sums that keep what rounding takes. Passes that name them bind
+/// [`STEP_SIZE`].
+pub(super) fn arithmetic(precision: Precision) -> [&'static str; 2] {
+    let sum = match precision {
+        Precision::F32 | Precision::Compensated => "sum/compensated",
+        Precision::F64 => "sum/plain",
+    };
+    [sum, if precision.words() == 2 { "state/two_words" } else { "state/one_word" }]
+}
+
 /// Raises a flag if a value is not finite.
-pub fn finite(real: Real, workgroup_size: u32) -> PassSource {
+pub fn finite(precision: Precision, workgroup_size: u32) -> PassSource {
+    let real = precision.real();
+    let mut source = on_states("finite", precision, workgroup_size, &["state"]);
+    source.constants.push(("LARGEST", Constant::Real(real.largest())));
+    source.slots.push(format!("precision/{}", real.name()));
+    source
+}
+
+/// Raises a flag if two states differ.
+pub fn still(precision: Precision, workgroup_size: u32) -> PassSource {
+    on_states("still", precision, workgroup_size, &["before", "state"])
+}
+
+/// A pass that raises a flag on some states.
+fn on_states(
+    pass: &'static str,
+    precision: Precision,
+    workgroup_size: u32,
+    states: &[&'static str],
+) -> PassSource {
+    let mut bindings = vec![block("step_size", &STEP_SIZE)];
+    bindings.extend(states.iter().map(|&name| read(name, value(precision))));
+    bindings.push(write("flag", Element::AtomicU32));
     PassSource {
-        pass: "finite",
-        real,
+        pass,
+        real: precision.real(),
         workgroup_size,
-        constants: vec![("LARGEST", Constant::Real(real.largest()))],
-        bindings: vec![read("state", Element::Real), write("flag", Element::AtomicU32)],
-        slots: vec![format!("precision/{}", real.name())],
+        constants: Vec::new(),
+        bindings,
+        slots: arithmetic(precision).map(str::to_owned).to_vec(),
+        generated: String::new(),
+    }
+}
+
+/// Adds increments to values and takes differences of values, as a step does: whether a device keeps
+/// what rounding takes.
+pub fn self_test() -> PassSource {
+    let precision = Precision::Compensated;
+    PassSource {
+        pass: "self_test",
+        real: precision.real(),
+        workgroup_size: WORKGROUP_SIZE,
+        constants: Vec::new(),
+        bindings: vec![
+            block("step_size", &STEP_SIZE),
+            read("before", value(precision)),
+            read("other", value(precision)),
+            read("rate", Element::Real),
+            write("after", value(precision)),
+            write("difference", Element::Real),
+        ],
+        slots: arithmetic(precision).map(str::to_owned).to_vec(),
         generated: String::new(),
     }
 }
@@ -271,9 +335,7 @@ impl Choices {
 
     /// One explicit Euler step of the rows of a chunk.
     pub fn step(&self) -> PassSource {
-        let mut source = self.on_list("step");
-        source.bindings.push(block("step_size", &STEP_SIZE));
-        source
+        self.on_list("step")
     }
 
     /// The rate of change of the rows of a chunk.
@@ -331,17 +393,20 @@ impl Choices {
             read("slice_start", Element::U32),
             read("neighbor", Element::U32),
             read("weight", Element::Real),
-            read("before", Element::Real),
-            write("after", Element::Real),
+            read("before", value(self.precision)),
+            write("after", value(self.precision)),
+            block("step_size", &STEP_SIZE),
         ];
         let held = if self.held {
-            bindings.push(write("exchange", Element::Real));
+            bindings.push(write("exchange", Element::Real2));
             "domain/some_held"
         } else {
             "domain/all_free"
         };
         bindings.extend(self.walls.bindings());
-        self.source(pass, &[&[held, "row_sum"], self.walls.slots()].concat(), bindings)
+        let arithmetic = arithmetic(self.precision);
+        let slots = [&arithmetic[..], &[held, "row_sum"], self.walls.slots()].concat();
+        self.source(pass, &slots, bindings)
     }
 
     fn source(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {

@@ -1,9 +1,10 @@
 //! The state on the device, and the passes that change it.
 
 use super::operator::{Fields, Makes, Operator};
-use super::passes::{STEP_SIZE, finite};
+use super::passes::{STEP_SIZE, finite, still};
 use super::walls::WallSlots;
-use crate::gpu::{Buffer, Device, GpuError, Pace, Pass, Real};
+use crate::gpu::{Buffer, Device, GpuError, Pace, Pass};
+use crate::solver::Precision;
 
 /// Dispatches in a submission at most.
 const MOST_DISPATCHES: u64 = 1000;
@@ -11,7 +12,7 @@ const MOST_DISPATCHES: u64 = 1000;
 /// The state with everything that changes it.
 #[derive(Debug)]
 pub(super) struct Steps {
-    real: Real,
+    precision: Precision,
     /// A step reads one and writes the other; each is in parts that the device can bind.
     state: [Vec<Buffer>; 2],
     /// Which of the two holds the present state.
@@ -26,6 +27,7 @@ pub(super) struct Steps {
     /// The passes of a step, by which state it reads.
     step: [Vec<Pass>; 2],
     finite: [Vec<Pass>; 2],
+    still: Vec<Pass>,
     pace: Pace,
 }
 
@@ -38,16 +40,18 @@ impl Steps {
         exchange: Option<Buffer>,
         walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
-        let real = operator.real();
+        let precision = operator.precision();
+        let real = precision.real();
         let parts = operator.parts(initial.len());
-        let filled = parts
+        let filled = parts.iter().map(|part| {
+            device.storage_with("state", &precision.state_to_bytes(&initial[part.clone()]))
+        });
+        let empty = parts
             .iter()
-            .map(|part| device.storage_with("state", &real.to_bytes(&initial[part.clone()])));
-        let empty =
-            parts.iter().map(|part| device.storage("state", (part.len() * real.size()) as u64));
+            .map(|part| device.storage("state", part.len() as u64 * precision.state_bytes()));
         let state: [Vec<Buffer>; 2] =
             [filled.collect::<Result<_, _>>()?, empty.collect::<Result<_, _>>()?];
-        let step_size = device.block("step size", &STEP_SIZE.contents(real, [], [0.0]))?;
+        let step_size = device.block("step size", &STEP_SIZE.contents(real, [0], [0.0]))?;
         let flag = device.storage("flag", 4)?;
         let step_from = |from: usize| {
             let fields = Fields {
@@ -59,18 +63,26 @@ impl Steps {
             };
             operator.passes(device, Makes::Step, &fields)
         };
-        let finite = finite(real, operator.workgroup_size());
+        let finite = finite(precision, operator.workgroup_size());
         let finite_of = |from: usize| -> Result<Vec<Pass>, GpuError> {
             let of_part = |part: &Buffer| {
-                let values = part.bytes() / real.size() as u64;
-                device.pass(&finite, &[part, &flag], values)
+                let values = part.bytes() / precision.state_bytes();
+                device.pass(&finite, &[&step_size, part, &flag], values)
             };
             state[from].iter().map(of_part).collect()
         };
+        let still = still(precision, operator.workgroup_size());
+        let parts = state[0].iter().zip(&state[1]);
+        let of_part = |(one, other): (&Buffer, &Buffer)| {
+            let values = one.bytes() / precision.state_bytes();
+            device.pass(&still, &[&step_size, one, other, &flag], values)
+        };
+        let still = parts.map(of_part).collect::<Result<_, _>>()?;
         let step = [step_from(0)?, step_from(1)?];
         Ok(Self {
-            real,
+            precision,
             finite: [finite_of(0)?, finite_of(1)?],
+            still,
             pace: Pace::new(MOST_DISPATCHES / step[0].len().max(1) as u64),
             step,
             state,
@@ -94,7 +106,7 @@ impl Steps {
     ) -> Result<(), GpuError> {
         let over_reference = dt / reference;
         if self.over_reference != Some(over_reference) {
-            let contents = STEP_SIZE.contents(self.real, [], [over_reference]);
+            let contents = STEP_SIZE.contents(self.precision.real(), [0], [over_reference]);
             device.write(&self.step_size, &contents)?;
             self.over_reference = Some(over_reference);
         }
@@ -161,9 +173,18 @@ impl Steps {
 
     /// Whether every value is finite.
     pub(super) fn is_finite(&self, device: &Device) -> Result<bool, GpuError> {
+        Ok(!self.raises_flag(device, &self.finite[self.current])?)
+    }
+
+    /// Whether the last step changed nothing.
+    pub(super) fn is_still(&self, device: &Device) -> Result<bool, GpuError> {
+        Ok(!self.raises_flag(device, &self.still)?)
+    }
+
+    fn raises_flag(&self, device: &Device, passes: &[Pass]) -> Result<bool, GpuError> {
         device.write(&self.flag, &[0; 4])?;
-        device.submit(&self.finite[self.current])?;
-        Ok(device.read(&self.flag)?.iter().all(|&byte| byte == 0))
+        device.submit(passes)?;
+        Ok(device.read(&self.flag)?.iter().any(|&byte| byte != 0))
     }
 
     /// Bytes on the device.

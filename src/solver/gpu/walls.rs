@@ -106,7 +106,7 @@ pub(super) struct WallSlots {
     real: Real,
     rows: WallRows,
     reference_step: f64,
-    /// Diagonal, flow, what entered, and tick of each slot.
+    /// Of each slot two vectors: diagonal, flow and tick; what entered, in two words.
     pub(super) wall: Buffer,
     pub(super) source: Buffer,
     /// The step of the ring that comes next, where sources change.
@@ -124,7 +124,7 @@ impl WallSlots {
         if rows.is_empty() {
             return Ok(None);
         }
-        let slot = |(d, f)| [reference_step * d, reference_step * f, 0.0, 0.0];
+        let slot = |(d, f)| [[reference_step * d, reference_step * f, 0.0, 0.0], [0.0; 4]].concat();
         let contents: Vec<f64> = rows.diagonal().iter().zip(rows.flow()).flat_map(slot).collect();
         let steps = if rows.is_changing() { u64::from(SOURCE_STEPS) } else { 1 };
         let wall = device.storage_with("wall rows", &real.to_bytes(&contents))?;
@@ -169,8 +169,8 @@ impl WallSlots {
     /// What entered through walls so far, value x volume.
     pub(super) fn inflow(&self, device: &Device) -> Result<f64, GpuError> {
         let slots = self.real.from_bytes(&device.read(&self.wall)?);
-        let entered = slots.chunks_exact(4).zip(self.rows.volume());
-        Ok(entered.map(|(slot, volume)| volume * slot[2]).sum())
+        let entered = slots.chunks_exact(8).zip(self.rows.volume());
+        Ok(entered.map(|(slot, volume)| volume * (slot[4] + slot[5])).sum())
     }
 
     fn write_sources(

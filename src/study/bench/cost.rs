@@ -8,7 +8,7 @@ use crate::solver::{MachineKind, PathChoice};
 pub(super) struct Cost {
     /// Bytes that have to come from memory or go there.
     pub(super) bytes: f64,
-    /// Additions, subtractions and multiplications.
+    /// Additions, subtractions and multiplications, of one word where a state has two.
     pub(super) operations: f64,
 }
 
@@ -22,26 +22,27 @@ impl Cost {
     /// That of a particle with `neighbors` neighbours: by list, or by a stencil of so many
     /// `operations`.
     pub(super) fn new(machine: MachineKind, neighbors: f64, stencil: Option<f64>) -> Self {
-        let real = machine.precision().bytes() as f64;
+        let precision = machine.precision();
+        let state = precision.state_bytes() as f64;
         match stencil {
-            None => Self::of_list(real, neighbors),
-            Some(operations) => Self::of_stencil(real, operations),
+            None => Self::of_list(precision.bytes() as f64, state, neighbors),
+            Some(operations) => Self::of_stencil(state, operations),
         }
     }
 
     /// Of each neighbour its index and its weight, of each row where it begins, and one state read
     /// and one written: a neighbour's value comes from a cache, where an earlier row has left it.
     /// A neighbour takes a difference, a multiplication and an addition.
-    fn of_list(real: f64, neighbors: f64) -> Self {
+    fn of_list(real: f64, state: f64, neighbors: f64) -> Self {
         Self {
-            bytes: neighbors * (INDEX + real) + INDEX + 2.0 * real,
+            bytes: neighbors * (INDEX + real) + INDEX + 2.0 * state,
             operations: 3.0 * neighbors + EULER,
         }
     }
 
     /// One state read and one written: neighbours come from a cache, weights from registers.
-    fn of_stencil(real: f64, operations: f64) -> Self {
-        Self { bytes: 2.0 * real, operations: operations + EULER }
+    fn of_stencil(state: f64, operations: f64) -> Self {
+        Self { bytes: 2.0 * state, operations: operations + EULER }
     }
 }
 

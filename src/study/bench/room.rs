@@ -33,19 +33,20 @@ pub(super) fn free_memory() -> u64 {
 /// Memory of programs that a size takes at most while it is set up and runs, bytes: its scene, the
 /// operator and the states.
 pub(super) fn needed(series: &Series, machine: &Machine, particles: u64) -> u64 {
-    let real = machine.kind().precision().bytes();
+    let precision = machine.kind().precision();
     let neighbors = inner_neighbors(series.dimension, series.support_ratio);
     let operator = match series.path {
         PathWish::Lattice => 0,
         // Entries; order and start, or length, of each row.
-        _ => neighbors * (4 + real) + 8,
+        _ => neighbors * (4 + precision.bytes()) + 8,
     };
     let setting_up = match (series.path, machine.kind()) {
         (PathWish::Lattice, MachineKind::Cpu) => 0,
         (_, MachineKind::Cpu) => SORTING,
         (_, MachineKind::Gpu(_)) => SORTING + UPLOADING,
     };
-    let on_machine = if machine.shares_memory() { operator + 2 * real } else { 0 };
+    let on_machine =
+        if machine.shares_memory() { operator + 2 * precision.state_bytes() } else { 0 };
     particles.saturating_mul(PARTICLE_BYTES + setting_up + on_machine)
 }
 
@@ -60,7 +61,7 @@ pub(super) fn why_too_many(
     if particles > MOST_PARTICLES {
         return Some(format!("indices are 32 bits: at most {} particles", grouped(MOST_PARTICLES)));
     }
-    let field = particles * machine.kind().precision().bytes();
+    let field = particles * machine.kind().precision().state_bytes();
     // A lattice's state may lie in several buffers.
     let most = machine.most_field_bytes().filter(|_| series.path != PathWish::Lattice);
     if let Some(most) = most.filter(|most| field > *most) {

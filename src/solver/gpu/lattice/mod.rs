@@ -12,6 +12,7 @@ use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
 use crate::model::Problem;
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::model::operator::{WallNeeds, WallRows};
+use crate::solver::Precision;
 use crate::solver::plan::Needs;
 
 use source::Sites;
@@ -53,11 +54,12 @@ impl Lattice {
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
         let real = options.precision.real();
-        let most = options.most_bytes(device) / real.size() as u64;
+        let value = options.precision.state_bytes();
+        let most = options.most_bytes(device) / value;
         let parts = parts(scene, most).map_err(|needed| GpuError::TooLarge {
             what: "the layers of a lattice that a stencil reaches".to_owned(),
-            needed: needed * real.size() as u64,
-            available: most * real.size() as u64,
+            needed: needed * value,
+            available: most * value,
         })?;
         let (periodic, mirrors) = source::ends(scene);
         let source = StencilSource {
@@ -88,8 +90,8 @@ impl Lattice {
         })
     }
 
-    pub(super) fn real(&self) -> Real {
-        self.source.real()
+    pub(super) fn precision(&self) -> Precision {
+        self.source.precision
     }
 
     pub(super) fn workgroup_size(&self) -> u32 {
@@ -117,7 +119,7 @@ impl Lattice {
                     Sites::Exceptions => part.exceptions.len(),
                 };
                 if threads > 0 {
-                    let buffers = self.buffers(k, sites, makes, fields);
+                    let buffers = self.buffers(k, sites, fields);
                     passes.push(device.pass(&source, &buffers, threads as u64)?);
                 }
             }
@@ -126,27 +128,18 @@ impl Lattice {
     }
 
     /// The buffers of a pass on part `k`, in the order of its bindings.
-    fn buffers<'a>(
-        &'a self,
-        k: usize,
-        sites: Sites,
-        makes: Makes,
-        fields: &'a Fields<'a>,
-    ) -> Vec<&'a Buffer> {
+    fn buffers<'a>(&'a self, k: usize, sites: Sites, fields: &'a Fields<'a>) -> Vec<&'a Buffer> {
         let part = &self.parts[k];
         let mut buffers = vec![&part.block, &fields.from[k]];
         if self.source.is_split {
             buffers.extend(part.beside.map(|other| &fields.from[other]));
         }
-        buffers.extend([&fields.to[k], &self.edge_factor]);
+        buffers.extend([&fields.to[k], fields.step_size, &self.edge_factor]);
         buffers.extend(&self.entry);
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
             buffers.extend(fields.exchange);
             buffers.extend(fields.walls());
-        }
-        if makes == Makes::Step {
-            buffers.push(fields.step_size);
         }
         buffers
     }
@@ -194,12 +187,11 @@ pub fn step_passes(needs: Needs) -> Vec<&'static str> {
     if needs.held || needs.walls >= WallNeeds::Steady {
         passes.push("exception_step");
     }
-    passes.push("finite");
     passes
 }
 
-/// What the exchange of held particles is counted in: for each, what it gets a reference step from
-/// held ones and from walls, and what it has given to others.
+/// What the exchange of held particles is counted in: for each, what it has given to others, in two
+/// words, and what it gets a reference step from held ones and from walls.
 pub(super) fn held_contents(
     problem: &Problem,
     scene: &LatticeScene,
@@ -207,7 +199,7 @@ pub(super) fn held_contents(
     reference_step: f64,
 ) -> Vec<f64> {
     let among_held = scene.rates_among_held(held, &problem.initial);
-    among_held.iter().flat_map(|rate| [reference_step * rate, 0.0]).collect()
+    among_held.iter().flat_map(|rate| [0.0, 0.0, reference_step * rate, 0.0]).collect()
 }
 
 /// Parts of at most `most` sites: whole layers across the last axis, as even as can be, and each as
@@ -260,14 +252,14 @@ fn edge_factors(scene: &LatticeScene) -> Vec<f64> {
     scene.edges.iter().flat_map(of_edge).flatten().collect()
 }
 
-/// Sites along x, y and z to each neighbour, and its weight, where the shaders read them.
+/// Sites along x, y and z to each neighbour on one side, and its weight, where the shaders read them.
 fn entry_buffer(device: &Device, source: &StencilSource) -> Result<Option<Buffer>, GpuError> {
     if !source.is_loop() {
         return Ok(None);
     }
     let entry =
         |([x, y, z], weight): &([isize; 3], f64)| [*x as f64, *y as f64, *z as f64, *weight];
-    let contents: Vec<f64> = source.entries.iter().flat_map(entry).collect();
+    let contents: Vec<f64> = source::one_sided(&source.entries).flat_map(entry).collect();
     Ok(Some(device.storage_with("stencil", &source.real().to_bytes(&contents))?))
 }
 

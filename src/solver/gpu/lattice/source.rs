@@ -6,7 +6,9 @@ use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource, Real};
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
 use crate::solver::gpu::operator::Makes;
-use crate::solver::gpu::passes::{NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, block, read, write};
+use crate::solver::gpu::passes::{
+    NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, read, value, write,
+};
 
 /// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
 pub static PART: BlockLayout = BlockLayout {
@@ -76,24 +78,26 @@ impl StencilSource {
 
     /// The pass over some sites of a part.
     pub(super) fn pass(&self, sites: Sites, makes: Makes) -> PassSource {
-        let mut bindings = vec![block("part", &PART), read("before", Element::Real)];
+        let mut bindings = vec![block("part", &PART), read("before", value(self.precision))];
         let state = if self.is_split {
-            bindings.extend(["below", "above"].map(|name| read(name, Element::Real)));
+            bindings.extend(["below", "above"].map(|name| read(name, value(self.precision))));
             "lattice/split"
         } else {
             "lattice/whole"
         };
-        bindings.extend([write("after", Element::Real), read("edge_factor", Element::Real)]);
-        let mut slots = vec![state, "lattice/site"];
+        bindings.extend([
+            write("after", value(self.precision)),
+            block("step_size", &STEP_SIZE),
+            read("edge_factor", Element::Real),
+        ]);
+        let mut slots = arithmetic(self.precision).to_vec();
+        slots.extend([state, "lattice/site"]);
         if self.is_loop() {
             bindings.push(read("entry", Element::Real4));
             slots.push("lattice/loops");
         }
         if sites == Sites::Exceptions {
             slots.extend(self.exceptions(&mut bindings));
-        }
-        if makes == Makes::Step {
-            bindings.push(block("step_size", &STEP_SIZE));
         }
         let pass = match (sites, makes) {
             (Sites::All, Makes::Step) => "lattice_step",
@@ -117,7 +121,7 @@ impl StencilSource {
         bindings.push(read("exception", Element::U32x4));
         let mut slots = vec!["lattice/exceptions"];
         if self.held {
-            bindings.push(write("held", Element::Real2));
+            bindings.push(write("held", Element::Real4));
             slots.push("lattice/some_held");
         } else {
             slots.push("lattice/all_free");
@@ -153,7 +157,7 @@ impl StencilSource {
 
     /// The sums with every neighbour written out.
     fn sums(&self) -> String {
-        let mut text = String::from("fn interior_sum(site: u32, own: real) -> real {\n");
+        let mut text = String::from("fn interior_sum(site: u32, own: Value) -> real {\n");
         text.push_str("    var sum = real(0.0);\n");
         for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
             self.write_group(group, &mut text);
@@ -163,27 +167,36 @@ impl StencilSource {
         text
     }
 
-    /// The terms of one weight, with distances between sites as numbers: neighbours on opposite sides
-    /// are added first.
+    /// The terms of one weight, with distances between sites as numbers.
     fn write_group(&self, group: &[([isize; 3], f64)], text: &mut String) {
-        let [nx, ny, _] = self.counts.map(|count| count as isize);
-        let distances = group.iter().map(|([x, y, z], _)| (z * ny + y) * nx + x);
-        // Each stands for the neighbour on the other side as well.
-        let pairs = distances.filter(|&distance| distance > 0).map(|distance| {
+        let pairs = one_sided(group).map(|&(steps, _)| {
+            let distance = self.distance(steps);
             format!("((value_at(site - {distance}u) - own) + (value_at(site + {distance}u) - own))")
         });
-        let pairs: Vec<String> = pairs.collect();
-        if !pairs.is_empty() {
-            let weight = self.real().literal(group[0].1);
+        self.write_terms(group, &pairs.collect::<Vec<_>>(), text);
+    }
+
+    /// Sites between one and that so many steps along each axis, to whichever side: in a body thinner
+    /// than the stencil no site has an interior sum, and the number means nothing.
+    fn distance(&self, [x, y, z]: [isize; 3]) -> usize {
+        let [nx, ny, _] = self.counts.map(|count| count as isize);
+        ((z * ny + y) * nx + x).unsigned_abs()
+    }
+
+    /// Adds the weight of a group times its differences, those to neighbours on opposite sides in
+    /// pairs: what a slope makes of them cancels before anything is rounded.
+    fn write_terms(&self, group: &[([isize; 3], f64)], pairs: &[String], text: &mut String) {
+        if let Some((_, weight)) = group.first().filter(|_| !pairs.is_empty()) {
+            let weight = self.real().literal(*weight);
             // Writing to a String cannot fail.
-            let _ = writeln!(text, "    sum += {weight} * ({});", pairs.join(" + "));
+            let _ = writeln!(text, "    sum += {weight} * collapsed({});", pairs.join(" + "));
         }
     }
 
     /// The sum beside ends: what is found along each axis comes first, so that a place is one sum
     /// of indexes, and no neighbour a branch.
     fn write_edge_sum(&self, text: &mut String) {
-        text.push_str("fn edge_sum(at: vec3<u32>, own: real) -> real {\n");
+        text.push_str("fn edge_sum(at: vec3<u32>, own: Value) -> real {\n");
         for (axis, name) in AXES.into_iter().enumerate() {
             let upper = name.to_uppercase();
             let used = |step: &isize| self.entries.iter().any(|(steps, _)| steps[axis] == *step);
@@ -198,20 +211,30 @@ impl StencilSource {
             }
         }
         text.push_str("    var sum = real(0.0);\n");
-        for (steps, weight) in &self.entries {
+        let difference = |steps: [isize; 3]| {
             let [x, y, z] = [0, 1, 2].map(|axis| place(axis, steps[axis]));
-            let weight = self.real().literal(*weight);
-            let _ = writeln!(
-                text,
-                "    sum += {weight} * difference(({z}.index * NY + {y}.index) * NX + {x}.index, \
-                 {x}.factor * {y}.factor * {z}.factor, {x}.exists && {y}.exists && {z}.exists, own);"
-            );
+            format!(
+                "difference(({z}.index * NY + {y}.index) * NX + {x}.index, \
+                 {x}.factor * {y}.factor * {z}.factor, \
+                 {x}.exists && {y}.exists && {z}.exists, own)"
+            )
+        };
+        for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
+            let pairs = one_sided(group).map(|&(steps, _)| {
+                format!("({} + {})", difference(steps.map(|step| -step)), difference(steps))
+            });
+            self.write_terms(group, &pairs.collect::<Vec<_>>(), text);
         }
         text.push_str("    return sum;\n}\n\n");
     }
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Of every two neighbours on opposite sides the one that comes later in the order of the sites.
+pub(super) fn one_sided(entries: &[([isize; 3], f64)]) -> impl Iterator<Item = &([isize; 3], f64)> {
+    entries.iter().filter(|([x, y, z], _)| [*z, *y, *x] > [0; 3])
+}
 
 /// What the shader calls the place `step` sites along an axis.
 fn place(axis: usize, step: isize) -> String {

@@ -1,0 +1,17 @@
+// A value of the state is one number.
+
+alias Value = real;
+
+// A value, or a sum of differences of values, as one number.
+fn collapsed(value: Value) -> real {
+    return value;
+}
+
+fn exactly(number: real) -> Value {
+    return number;
+}
+
+fn advanced(value: Value, increment: real) -> Value {
+    return value + increment;
+}
+

@@ -1,0 +1,19 @@
+// A value of the state is the sum of two numbers, the second of which is what rounding took from the
+// first. Values are subtracted word by word: where they are near each other, the difference of the
+// first words is exact, and what is rounded is small.
+
+alias Value = vec2<real>;
+
+// A value, or a sum of differences of values, as one number.
+fn collapsed(value: Value) -> real {
+    return value.x + value.y;
+}
+
+fn exactly(number: real) -> Value {
+    return Value(number, 0.0);
+}
+
+fn advanced(value: Value, increment: real) -> Value {
+    return accumulated(value, increment);
+}
+
