@@ -11,7 +11,6 @@ use diffusph::model::operator::rows::{assemble, cell_grid, survey};
 use diffusph::model::stability::safe_step;
 use diffusph::solver::Backend;
 use diffusph::solver::cpu::CpuBackend;
-use diffusph::solver::lattice::LatticeBackend;
 
 /// The lattice distance, m: even counts keep the deposit on eight particles.
 const SPACING: &str = "particles.spacing=50/46";
@@ -40,7 +39,7 @@ fn hot_kernels(criterion: &mut Criterion) {
             bencher.iter(|| list.euler(0.0, step, 1).expect("a step"));
         });
         let scene = LatticeScene::of(&problem).expect("a lattice");
-        let mut lattice = LatticeBackend::new(&problem, scene, WallRows::default());
+        let mut lattice = CpuBackend::lattice(&problem, scene, WallRows::default());
         group.bench_function(format!("step by lattice, H = {support_ratio} dx"), |bencher| {
             bencher.iter(|| lattice.euler(0.0, step, 1).expect("a step"));
         });

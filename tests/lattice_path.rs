@@ -20,10 +20,9 @@ mod scenes;
 
 /// The lattice backend, the way a run makes it.
 fn lattice(problem: &Problem) -> impl Backend {
-    use diffusph::solver::lattice::LatticeBackend;
     let scene = LatticeScene::of(problem).expect("a lattice");
     let (walls, _) = study::lattice_walls(problem, &scene).expect("good walls");
-    LatticeBackend::new(problem, scene, walls)
+    CpuBackend::lattice(problem, scene, walls)
 }
 
 /// How far the two paths are apart after some steps: fields, and exchange over the total.

@@ -8,7 +8,6 @@ use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Material, PairMean, Problem};
 use diffusph::report::run::{LeftOut, RunReport};
 use diffusph::solver::cpu::CpuBackend;
-use diffusph::solver::lattice::LatticeBackend;
 use diffusph::solver::plan::Path;
 use diffusph::solver::{Backend, Machine, MachineKind, PathChoice, PathWish, Plan};
 use diffusph::study::{self, RunOptions};
@@ -186,9 +185,9 @@ fn problems(
 }
 
 /// The mixed backend, the way a run makes it, of a scene found in another problem.
-fn backend(problem: &Problem, scene: MixedScene) -> LatticeBackend {
+fn backend(problem: &Problem, scene: MixedScene) -> CpuBackend {
     let (_, rows) = scene.assemble(problem);
-    LatticeBackend::mixed(problem, scene, rows)
+    CpuBackend::mixed(problem, scene, rows)
 }
 
 /// How far two backends are apart.
@@ -210,7 +209,7 @@ impl Apart {
     }
 }
 
-fn apart(problem: &Problem, mixed: &mut LatticeBackend) -> Apart {
+fn apart(problem: &Problem, mixed: &mut CpuBackend) -> Apart {
     let bound = survey(problem, &cell_grid(problem)).rate_bound;
     let mut list = CpuBackend::of(problem);
     let (a, b) = (list.rate(0.3).expect("rate"), mixed.rate(0.3).expect("rate"));
@@ -322,7 +321,7 @@ fn one_changed_number_is_noticed() {
         let mut heavier = problem.clone();
         heavier.particles.volume[neighbor.expect("a neighbour")] *= 1.0 + 1e-6;
         let (_, rows) = scene.assemble(&heavier);
-        let found = apart(problem, &mut LatticeBackend::mixed(problem, scene, rows));
+        let found = apart(problem, &mut CpuBackend::mixed(problem, scene, rows));
         assert!(found.rates > 1e-13 && found.fields > 1e-13, "{name}: {found:?}");
     }
 }

@@ -8,8 +8,9 @@ use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
-    CHUNK, Choices, GRID, STEP_SIZE, WallTerms, finite, self_test, still,
+    CHUNK, COMBINATION, Choices, GRID, STEP_SIZE, WallTerms, finite, self_test, still,
 };
+use diffusph::solver::gpu::vector::{ENTRIES, PLACES, UPDATE, vector_passes};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, MathFunction, Module, ScalarKind, TypeInner};
 
@@ -125,6 +126,7 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| [finite(precision, 64), still(precision, 64)];
     let passes = passes.chain(Precision::ALL.into_iter().flat_map(on_states));
+    let passes = passes.chain(Precision::ALL.into_iter().flat_map(vector_passes));
     let passes = passes.chain([self_test()]);
     let passes = passes.chain(Real::ALL.into_iter().flat_map(limit_sources));
     for source in passes.chain(scan_sources()) {
@@ -175,7 +177,8 @@ fn laid_out(layout: &BlockLayout, real: Real) -> (Vec<u32>, u32) {
 #[test]
 fn parameter_blocks_are_laid_out_as_the_shaders_read_them() {
     let odd = BlockLayout { name: "Odd", counts: &["one", "two", "three"], reals: &["four"] };
-    for layout in [&GRID, &CHUNK, &STEP_SIZE, &PART, &CHAIN, &odd] {
+    let of_vectors = [&COMBINATION, &UPDATE, &PLACES, &ENTRIES];
+    for layout in [&GRID, &CHUNK, &STEP_SIZE, &PART, &CHAIN, &odd].into_iter().chain(of_vectors) {
         for real in Real::ALL {
             let (offsets, size) = laid_out(layout, real);
             let counts = (0..layout.counts.len()).map(|i| 4 * i);

@@ -5,6 +5,10 @@ fn is_held(row: u32) -> bool {
     return exception[row].z != NO_SLOT;
 }
 
+fn rate_among_held(row: u32) -> real {
+    return held[exception[row].z].z;
+}
+
 // What a held particle would have gained, it has taken from the others.
 fn record_exchange(row: u32, increment: real, step: real) {
     let place = exception[row].z;

@@ -11,6 +11,10 @@ fn exactly(number: real) -> Value {
     return number;
 }
 
+fn plus(value: Value, other: Value) -> Value {
+    return value + other;
+}
+
 fn advanced(value: Value, increment: real) -> Value {
     return value + increment;
 }

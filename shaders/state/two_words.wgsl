@@ -13,6 +13,11 @@ fn exactly(number: real) -> Value {
     return Value(number, 0.0);
 }
 
+// The sum of two values: that of their first words is exact in two.
+fn plus(value: Value, other: Value) -> Value {
+    return accumulated(accumulated(exactly(value.x), other.x), value.y + other.y);
+}
+
 fn advanced(value: Value, increment: real) -> Value {
     return accumulated(value, increment);
 }

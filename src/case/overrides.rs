@@ -10,7 +10,7 @@ pub struct Override {
     /// Keys joined by dots; a number is an index into a list: `particles.fill.0.material`.
     pub path: String,
     /// The new value. null leaves a key out only where a key that is left out has no value:
-    /// `exact`, `time.step`, the keys of `output`, of the entries of `initial`, and those of
+    /// `exact`, `time.step`, `time.tolerance`, `time.linear_tolerance`, the keys of `output`, of the entries of `initial`, and those of
     /// `exact` that may be left out. Elsewhere null is refused, also for keys with a
     /// default, such as `probes`, `time.method` or a material's `density`.
     pub value: Value,

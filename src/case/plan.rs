@@ -7,9 +7,9 @@ use super::build::by_name;
 use super::error::CaseError;
 use super::fill::TOLERANCE;
 use super::number::{Evaluator, Number, in_range, show};
-use super::schema::Case;
+use super::schema::{Case, ToleranceSpec};
 use super::unused::is_zero;
-use crate::model::integrator::Method;
+use crate::model::integrator::{MethodChoice, Preconditioner, Tolerance};
 use crate::model::{Domain, Probe, StepChoice, TimePlan};
 
 /// Relative error that a count of intervals may have.
@@ -27,16 +27,30 @@ const MOST_STEPS: f64 = 1e15;
 /// Duration, step, method and output times.
 pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseError> {
     let end = evaluator.not_negative("time.end", &case.time.end)?;
-    let step = match &case.time.step {
-        None => StepChoice::Automatic,
-        Some(number) => {
+    let step = match (&case.time.step, &case.time.tolerance) {
+        (None, None) => StepChoice::Automatic,
+        (None, Some(spec)) => StepChoice::Tolerance(tolerance(spec, evaluator)?),
+        (Some(number), _) => {
             let step = evaluator.positive("time.step", number)?;
             let requirement = format!("at most time.end, {end}");
             in_range("time.step", step, step <= end, &requirement)?;
             StepChoice::Given(not_too_often("time.step", step, end, MOST_STEPS, "steps")?)
         }
     };
-    let method = by_name("time.method", &case.time.method, &Method::ALL, Method::name)?;
+    let all = MethodChoice::all();
+    let method = by_name("time.method", &case.time.method, &all, MethodChoice::name)?;
+    let breaks = breaks(&case.time.breaks, evaluator, end)?;
+    let linear_tolerance = match &case.time.linear_tolerance {
+        None => None,
+        Some(number) => Some(part("time.linear_tolerance", number, evaluator)?),
+    };
+    let preconditioner = match &case.time.preconditioner {
+        None => Preconditioner::TwoLevel,
+        Some(name) => {
+            let all = &Preconditioner::ALL;
+            by_name("time.preconditioner", name, all, Preconditioner::name)?
+        }
+    };
     let every = |path: &str, number: &Option<Number>, default: f64, most: f64| match number {
         None => Ok(default),
         Some(number) => {
@@ -47,7 +61,50 @@ pub(super) fn time(case: &Case, evaluator: &Evaluator) -> Result<TimePlan, CaseE
     let output_every = every("output.every", &output.every, end, MOST_OUTPUTS)?;
     let path = "output.probe_every";
     let probe_every = every(path, &output.probe_every, output_every, MOST_PROBE_OUTPUTS)?;
-    Ok(TimePlan { end, step, method, output_every, probe_every })
+    Ok(TimePlan {
+        end,
+        step,
+        method,
+        breaks,
+        linear_tolerance,
+        preconditioner,
+        output_every,
+        probe_every,
+    })
+}
+
+fn tolerance(spec: &ToleranceSpec, evaluator: &Evaluator) -> Result<Tolerance, CaseError> {
+    let absolute = match &spec.absolute {
+        None => 0.0,
+        Some(number) => evaluator.positive("time.tolerance.absolute", number)?,
+    };
+    let relative = match &spec.relative {
+        None => 0.0,
+        Some(number) => part("time.tolerance.relative", number, evaluator)?,
+    };
+    let is_some = absolute > 0.0 || relative > 0.0;
+    in_range("time.tolerance", 0.0, is_some, "absolute or relative, or both")?;
+    Ok(Tolerance { absolute, relative })
+}
+
+/// A number above 0 and below 1.
+fn part(path: &str, number: &Number, evaluator: &Evaluator) -> Result<f64, CaseError> {
+    let value = evaluator.positive(path, number)?;
+    in_range(path, value, value < 1.0, "below 1")
+}
+
+/// Times within the run, ascending.
+fn breaks(numbers: &[Number], evaluator: &Evaluator, end: f64) -> Result<Vec<f64>, CaseError> {
+    let mut times: Vec<f64> = Vec::with_capacity(numbers.len());
+    for (index, number) in numbers.iter().enumerate() {
+        let path = format!("time.breaks[{index}]");
+        let time = evaluator.positive(&path, number)?;
+        in_range(&path, time, time < end, &format!("before time.end, {end}"))?;
+        let is_later = times.last().is_none_or(|&last| time > last);
+        in_range(&path, time, is_later, "later than the one before")?;
+        times.push(time);
+    }
+    Ok(times)
 }
 
 /// `interval` (s) if at most `most` of it fit into the time up to the end.

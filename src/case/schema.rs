@@ -12,7 +12,7 @@ use super::exact::ExactSpec;
 use super::number::{Number, Point};
 use super::shape::ShapeSpec;
 use super::wall::{SurfaceSpec, WallSpec};
-use crate::model::integrator::Method;
+use crate::model::integrator::{Method, MethodChoice, Preconditioner};
 use crate::model::{Correction, KernelKind, PairMean};
 
 /// A scene for diffusph. SI units throughout.
@@ -178,12 +178,41 @@ pub(super) enum Axis {
 pub(super) struct TimeSpec {
     /// Simulated time, s; 0 writes the initial state alone.
     pub(super) end: Number,
-    /// Step, s; the largest that is known to be stable where absent.
+    /// Step, s. Where neither it nor a tolerance is given, euler takes the largest that is known to be
+    /// stable, and other methods follow a tolerance of 1e-4 of the largest value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) step: Option<Number>,
+    /// What the steps may leave as an error of the result, in place of a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) tolerance: Option<ToleranceSpec>,
+    /// The time integrator: auto takes the cheapest that is accurate enough; steady goes straight to
+    /// the steady state.
     #[serde(default = "default_method")]
     #[schemars(schema_with = "method_names")]
     pub(super) method: String,
+    /// Times at which something that is imposed changes at once, s: a step ends there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) breaks: Vec<Number>,
+    /// How well linear systems are solved: with tr_bdf2 and a given step, of the largest value (1e-6
+    /// where absent); with steady, of the first residual (1e-10).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) linear_tolerance: Option<Number>,
+    /// What linear systems are preconditioned by: two_level, where absent, or jacobi.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "preconditioner_names")]
+    pub(super) preconditioner: Option<String>,
+}
+
+/// What the result may be off: `absolute` + `relative` x the largest magnitude of the field.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "an object")]
+pub(super) struct ToleranceSpec {
+    /// In the unit of the field; 0 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) absolute: Option<Number>,
+    /// Of the largest magnitude of the field; 0 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) relative: Option<Number>,
 }
 
 /// A place where the value is recorded over time.
@@ -239,6 +268,10 @@ fn correction_names(_: &mut SchemaGenerator) -> Schema {
     names(&Correction::ALL, Correction::name)
 }
 
+fn preconditioner_names(_: &mut SchemaGenerator) -> Schema {
+    names(&Preconditioner::ALL, Preconditioner::name)
+}
+
 fn method_names(_: &mut SchemaGenerator) -> Schema {
-    names(&Method::ALL, Method::name)
+    names(&MethodChoice::all(), MethodChoice::name)
 }

@@ -7,7 +7,8 @@ use super::error::CaseError;
 use super::number::{Evaluator, Number};
 use super::overrides::Override;
 use super::parse::read;
-use super::schema::Case;
+use super::schema::{Case, TimeSpec};
+use crate::model::integrator::Method;
 
 #[derive(PartialEq)]
 struct Unused {
@@ -22,12 +23,18 @@ pub(super) fn remove(
     original: &Value,
     overrides: &[Override],
 ) -> Result<Vec<String>, CaseError> {
-    let found = take_out(case);
+    let sets = |path: &str| {
+        let below = format!("{path}.");
+        overrides.iter().any(|entry| entry.path == path || entry.path.starts_with(&below))
+    };
+    // Of two that exclude each other, the one from the command line stands.
+    let keeps_step = sets("time.step") && !sets("time.tolerance");
+    let found = take_out(case, keeps_step);
     if found.is_empty() {
         return Ok(Vec::new());
     }
     let before = match read(original) {
-        Ok(mut case) if !overrides.is_empty() => take_out(&mut case),
+        Ok(mut case) if !overrides.is_empty() => take_out(&mut case, keeps_step),
         _ => {
             return found.into_iter().next().map_or(Ok(Vec::new()), |unused| Err(unused.error()));
         }
@@ -48,7 +55,7 @@ impl Unused {
     }
 }
 
-fn take_out(case: &mut Case) -> Vec<Unused> {
+fn take_out(case: &mut Case, keeps_step: bool) -> Vec<Unused> {
     let mut found = Vec::new();
     let mut drop = |path: String, reason: &'static str| found.push(Unused { path, reason });
     let fills = &case.particles.fill;
@@ -71,6 +78,7 @@ fn take_out(case: &mut Case) -> Vec<Unused> {
     if case.probes.is_empty() && case.output.probe_every.take().is_some() {
         drop("output.probe_every".to_owned(), "there are no probes");
     }
+    take_out_of_time(&mut case.time, keeps_step, &mut drop);
     if is_zero(&case.time.end) {
         let nothing_integrated = "time.end is 0, so that nothing is integrated";
         if case.time.step.take().is_some() {
@@ -84,6 +92,52 @@ fn take_out(case: &mut Case) -> Vec<Unused> {
         }
     }
     found
+}
+
+/// The keys of `time` that the method does not use.
+fn take_out_of_time(
+    time: &mut TimeSpec,
+    keeps_step: bool,
+    drop: &mut impl FnMut(String, &'static str),
+) {
+    let method = Method::ALL.into_iter().find(|method| method.name() == time.method);
+    let has_estimate = method.is_none_or(Method::has_estimate);
+    let is_implicit = method.is_none_or(Method::is_implicit);
+    let is_steady = method == Some(Method::Steady);
+    let mut take = |is_some: bool, key: &str, reason| {
+        if is_some {
+            drop(format!("time.{key}"), reason);
+        }
+    };
+    if is_steady {
+        let reason = "the method steady takes no steps";
+        take(time.step.take().is_some(), "step", reason);
+        take(time.tolerance.take().is_some(), "tolerance", reason);
+        take(!std::mem::take(&mut time.breaks).is_empty(), "breaks", reason);
+    } else if !has_estimate {
+        let reason = "the method euler has no estimate of its error";
+        take(time.tolerance.take().is_some(), "tolerance", reason);
+    }
+    if time.step.is_some() && time.tolerance.is_some() {
+        if keeps_step {
+            time.tolerance = None;
+            take(true, "tolerance", "a step is given");
+        } else {
+            time.step = None;
+            take(true, "step", "a tolerance is given");
+        }
+    }
+    let solves_to_tolerance = !is_steady && time.step.is_none();
+    if (!is_implicit || solves_to_tolerance) && time.linear_tolerance.take().is_some() {
+        let reason = match is_implicit {
+            true => "linear systems are solved as well as the tolerance needs",
+            false => "the method solves no linear system",
+        };
+        take(true, "linear_tolerance", reason);
+    }
+    if !is_implicit && time.preconditioner.take().is_some() {
+        take(true, "preconditioner", "the method solves no linear system");
+    }
 }
 
 pub(super) fn is_zero(number: &Number) -> bool {

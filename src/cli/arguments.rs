@@ -16,7 +16,8 @@ pub(super) struct CaseArguments {
     /// reads as an expression
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
-    /// The time integrator
+    /// The time integrator: euler, heun, rkl2, tr_bdf2, steady, or auto for the cheapest that is
+    /// accurate enough
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
 }

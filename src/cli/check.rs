@@ -7,10 +7,10 @@ use clap::Args;
 use super::arguments::{CaseArguments, WayArguments};
 use super::{CliError, print};
 use crate::case::Scene;
-use crate::model::integrator::Schedule;
+use crate::model::integrator::{Method, Schedule, Tolerance};
 use crate::model::{Problem, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
-use crate::solver::{Machine, Opened, PathChoice};
+use crate::solver::{Machine, Opened, PathChoice, Step};
 use crate::study::{self, Prepared};
 
 #[derive(Debug, Args)]
@@ -45,13 +45,9 @@ fn describe(
 ) -> String {
     let Prepared { survey, step, plan } = prepared;
     let problem = &scene.problem;
-    let seconds = |s: f64| match s.is_finite() {
-        true => format!("{} s", significant(s, 6)),
-        false => "no limit".to_owned(),
-    };
     let limits = &step.limits;
     let particles = problem.particles.len() as u64;
-    let steps = Schedule::new(&problem.time, step.dt).total_steps();
+    let [dt, steps] = steps(problem, step);
     let held = problem.held.len() as u64;
     let neighbors = survey.entries as f64 / particles.max(1) as f64;
     let mut lines = vec![
@@ -78,8 +74,9 @@ fn describe(
         ("path", plan.path_in_words(problem)),
         ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
         ("duration", simulated_time(problem.time.end)),
-        ("step", seconds(step.taken(problem))),
-        ("steps", grouped(steps)),
+        ("method", method(step)),
+        ("step", dt),
+        ("steps", steps),
         (
             "limits",
             format!(
@@ -117,6 +114,35 @@ fn describe(
         let _ = writeln!(text, "warning    {warning}");
     }
     text
+}
+
+fn seconds(s: f64) -> String {
+    if s.is_finite() { format!("{} s", significant(s, 6)) } else { "no limit".to_owned() }
+}
+
+fn method(step: &Step) -> String {
+    let why = step.why_method.as_ref().map(|why| format!(": {why}")).unwrap_or_default();
+    format!("{}{why}", step.method.name())
+}
+
+/// The step and the number of steps, in words.
+fn steps(problem: &Problem, step: &Step) -> [String; 2] {
+    match (step.method, step.tolerance) {
+        (Method::Steady, _) => ["none: straight to the steady state".to_owned(), "0".to_owned()],
+        (_, Some(Tolerance { absolute, relative })) => {
+            let first = format!("from {}", seconds(step.dt));
+            let follows = match (absolute > 0.0, relative > 0.0) {
+                (true, true) => format!("{absolute:e} + {relative:e} of the largest value"),
+                (true, false) => format!("{absolute:e}"),
+                _ => format!("{relative:e} of the largest value"),
+            };
+            [first, format!("as many as a tolerance of {follows} needs")]
+        }
+        (_, None) => {
+            let count = Schedule::new(&problem.time, step.dt).total_steps();
+            [seconds(step.taken(problem)), grouped(count)]
+        }
+    }
 }
 
 /// The walls and surfaces of a scene in a line.

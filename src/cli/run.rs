@@ -16,7 +16,8 @@ use crate::study::{self, Outcome, RunOptions};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run gaussian --set \
                         operator.correction=moment --out corrected\n  diffusph run gaussian_small \
-                        --backend gpu --json | jq .error")]
+                        --backend gpu --json | jq .error\n  diffusph run constant_column \
+                        --method tr_bdf2 --set time.tolerance.relative=1e-4")]
 pub(super) struct Arguments {
     #[command(flatten)]
     case: CaseArguments,

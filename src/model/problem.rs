@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::integrator::Method;
+use super::integrator::{MethodChoice, Preconditioner, Tolerance};
 use super::{
     Correction, Domain, Kernel, Material, PairMean, Particles, ScalarField, Surface, Wall,
 };
@@ -51,7 +51,14 @@ pub struct TimePlan {
     /// The step that the case asks for.
     pub step: StepChoice,
     /// The time integrator.
-    pub method: Method,
+    pub method: MethodChoice,
+    /// Times at which something changes at once (s, ascending): a step ends there.
+    pub breaks: Vec<f64>,
+    /// How well linear systems are solved where steps are not chosen by a tolerance: of the largest
+    /// magnitude of the field, and for a steady state of the first residual.
+    pub linear_tolerance: Option<f64>,
+    /// What linear systems are preconditioned by.
+    pub preconditioner: Preconditioner,
     /// Time between two outputs of the fields, s.
     pub output_every: f64,
     /// Time between two records of the probes, s.
@@ -61,10 +68,13 @@ pub struct TimePlan {
 /// Where the step comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepChoice {
-    /// The largest that is known to be stable.
+    /// The largest that is known to be stable, or what the default tolerance allows, as it suits the
+    /// method.
     Automatic,
     /// Given by the case, s.
     Given(f64),
+    /// What this tolerance of the result allows.
+    Tolerance(Tolerance),
 }
 
 /// A place where the value is recorded over time.

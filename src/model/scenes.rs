@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::integrator::Method;
+use super::integrator::{Method, MethodChoice, Preconditioner};
 use super::problem::{Problem, StepChoice, TimePlan};
 use super::{Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles};
 
@@ -47,7 +47,10 @@ pub(crate) fn lattice(
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Automatic,
-            method: Method::Euler,
+            method: MethodChoice::Given(Method::Euler),
+            breaks: Vec::new(),
+            linear_tolerance: None,
+            preconditioner: Preconditioner::TwoLevel,
             output_every: 1.0,
             probe_every: 1.0,
         },

@@ -42,14 +42,21 @@ pub struct RunReport {
     pub path: String,
     /// The time integrator's name.
     pub method: String,
+    /// Why in this method, where the case leaves it open; `null` where it does not.
+    pub why_method: Option<String>,
     /// Time steps taken.
     pub steps: u64,
+    /// Steps that were refused, since their error was above what the tolerance allows.
+    pub steps_refused: u64,
     /// How often the operator was applied to the whole field, the measuring of a step limit
     /// included: the unit of cost.
     pub operator_applications: u64,
-    /// Time step, s.
+    /// Time step, s, the smallest where they differ, but for one cut short to land on an output.
     #[serde(with = "number")]
     pub dt: f64,
+    /// The largest step, s.
+    #[serde(with = "number")]
+    pub dt_largest: f64,
     /// The largest step that is known to be stable, s; `null` where there is no limit.
     #[serde(with = "number")]
     pub dt_limit: f64,

@@ -17,7 +17,10 @@ fn example() -> RunReport {
         particles: 1_000_000,
         path: "lattice".into(),
         method: "euler".into(),
+        why_method: None,
         steps: 2160,
+        steps_refused: 0,
+        dt_largest: 29_200.0,
         operator_applications: 2160,
         dt: 29_200.0,
         dt_limit: 32_000.0,
@@ -52,7 +55,7 @@ fn the_names_are_those_that_readers_rely_on() {
     assert_eq!(
         keys(&json).join(" "),
         "report_version case title diffusph_version backend adapter precision why_precision dimension \
-         particles path method steps operator_applications dt dt_limit simulated_s wall_s updates_per_s \
+         particles path method why_method steps steps_refused operator_applications dt dt_largest dt_limit simulated_s wall_s updates_per_s \
          memory_bytes field conserved density error probes left_out warnings"
     );
     for (place, names) in [

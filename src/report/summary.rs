@@ -63,15 +63,29 @@ impl Summary<'_> {
         }
         let applications = grouped(r.operator_applications);
         line(f, "method", format!("{}, {applications} operator applications", r.method))?;
+        if let Some(why) = &r.why_method {
+            line(f, "", why)?;
+        }
         line(f, "time", simulated_time(r.simulated_s))?;
         if r.steps == 0 {
             return Ok(());
         }
-        line(f, "step", format!("{} steps of {} s", grouped(r.steps), significant(r.dt, 6)))?;
+        line(f, "step", self.steps())?;
         if r.dt_limit.is_finite() {
             line(f, "", self.margin())?;
         }
         Ok(())
+    }
+
+    fn steps(&self) -> String {
+        let r = self.0;
+        let [dt, largest] = [r.dt, r.dt_largest].map(|dt| significant(dt, 6));
+        let steps = grouped(r.steps);
+        // Equal steps differ a little where they land on outputs.
+        if r.dt_largest < 1.01 * r.dt {
+            return format!("{steps} steps of {dt} s");
+        }
+        format!("{steps} steps of {dt} to {largest} s, {} more refused", grouped(r.steps_refused))
     }
 
     fn margin(&self) -> String {

@@ -3,6 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use super::adaptive::Adaptive;
+use super::integrator::{Kind, Stepper, Steps, solve_steady};
 use super::{Backend, SolverError};
 use crate::model::Problem;
 use crate::model::integrator::{Schedule, Segment};
@@ -23,7 +25,7 @@ const SAVE_EVERY: Duration = Duration::from_secs(2);
 pub struct Progress {
     /// Steps taken.
     pub step: u64,
-    /// Steps of the whole run.
+    /// Steps of the whole run, as far as that is known.
     pub steps: u64,
     /// Time reached, s.
     pub time: f64,
@@ -57,42 +59,107 @@ pub struct Still {
     pub time: f64,
 }
 
-/// Runs `schedule` on `backend`. A value that is not finite stops the run with the step, time and
-/// particle where it came up; the last state known to be finite goes to the observer first.
+/// What a run took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taken {
+    /// Steps.
+    pub steps: u64,
+    /// Steps that a tolerance refused.
+    pub refused: u64,
+    /// The smallest step, s, but for those that end at an output.
+    pub smallest: f64,
+    /// The largest step, s.
+    pub largest: f64,
+}
+
+impl Taken {
+    /// Equal steps of `dt` (s).
+    pub fn equal(steps: u64, dt: f64) -> Self {
+        Self { steps, refused: 0, smallest: dt, largest: dt }
+    }
+}
+
+/// Runs `problem` from its start to its end on `backend` with the steps of `stepper`, whose equal steps are
+/// at most `dt` (s). A value that is not finite stops the run with the step, time and particle where it
+/// came up; the last state known to be finite goes to the observer first.
 pub fn advance<B: Backend, O: Observer>(
     backend: &mut B,
     problem: &Problem,
-    schedule: &Schedule,
+    stepper: &mut Stepper<B>,
+    dt: f64,
     observer: &mut O,
-) -> Result<(), O::Error> {
-    let mut run = Run { steps: schedule.total_steps(), step: 0, chunk: FIRST_CHUNK, still: None };
-    let mut start = 0.0;
-    for segment in schedule.clone() {
-        run.segment(backend, problem, observer, start, &segment)?;
-        if segment.output || segment.probe {
-            observer.record(&segment, backend.read()?.as_ref())?;
+) -> Result<Taken, O::Error> {
+    let none = Taken { steps: 0, refused: 0, smallest: f64::INFINITY, largest: 0.0 };
+    match &mut stepper.kind {
+        Kind::Equal(steps) => {
+            let schedule = Schedule::new(&problem.time, dt);
+            let total = schedule.total_steps();
+            let mut run = Run { steps: total, step: 0, chunk: FIRST_CHUNK, still: None, problem };
+            let mut taken = Taken { steps: total, ..none };
+            for segment in schedule {
+                run.segment(backend, &mut **steps, observer, &segment)?;
+                taken.smallest = taken.smallest.min(segment.dt);
+                taken.largest = taken.largest.max(segment.dt);
+                record(backend, observer, &segment)?;
+            }
+            Ok(taken)
         }
-        start = segment.end;
+        Kind::Adaptive(integrator, controller) => {
+            let schedule = Schedule::new(&problem.time, f64::INFINITY);
+            let integrator = &mut **integrator;
+            let mut run =
+                Adaptive { problem, integrator, controller, first: dt, time: 0.0, taken: none };
+            for segment in schedule {
+                run.segment(backend, observer, &segment)?;
+                record(backend, observer, &segment)?;
+            }
+            // A run of one step has no other.
+            Ok(Taken { smallest: run.taken.smallest.min(run.taken.largest), ..run.taken })
+        }
+        Kind::Steady { reduction, applications } => {
+            let preconditioner = problem.time.preconditioner;
+            *applications = solve_steady(backend, problem, *reduction, preconditioner)?;
+            for segment in Schedule::new(&problem.time, f64::INFINITY) {
+                record(backend, observer, &segment)?;
+            }
+            Ok(Taken::equal(0, 0.0))
+        }
+    }
+}
+
+/// Hands the state at the end of a segment to the observer, if that is wanted.
+fn record<B: Backend, O: Observer>(
+    backend: &mut B,
+    observer: &mut O,
+    segment: &Segment,
+) -> Result<(), O::Error> {
+    if segment.output || segment.probe {
+        observer.record(segment, backend.read()?.as_ref())?;
     }
     Ok(())
 }
 
-struct Run {
+struct Run<'a> {
     steps: u64,
     step: u64,
     chunk: u64,
     still: Option<Still>,
+    problem: &'a Problem,
 }
 
-impl Run {
+impl Run<'_> {
     fn segment<B: Backend, O: Observer>(
         &mut self,
         backend: &mut B,
-        problem: &Problem,
+        stepper: &mut dyn Steps<B>,
         observer: &mut O,
-        start: f64,
         segment: &Segment,
     ) -> Result<(), O::Error> {
+        let start = segment.start;
+        if start > 0.0 {
+            // What is imposed may have changed at once.
+            stepper.reset();
+        }
         let (mut done, mut saved) = (0, 0);
         let mut since_saved = SAVE_EVERY;
         while done < segment.steps {
@@ -103,12 +170,12 @@ impl Run {
                 (saved, since_saved) = (done, Duration::ZERO);
             }
             let clock = Instant::now();
-            backend.euler(time, segment.dt, count)?;
+            stepper.take(backend, time, segment.dt, count)?;
             if !backend.is_finite()? {
                 let time = start + saved as f64 * segment.dt;
                 self.step -= done - saved;
                 let count = done + count - saved;
-                return self.diverged(backend, problem, observer, time, segment.dt, count);
+                return self.diverged(backend, stepper, observer, time, segment.dt, count);
             }
             self.adapt(count, clock.elapsed());
             since_saved += clock.elapsed();
@@ -137,7 +204,7 @@ impl Run {
     fn diverged<B: Backend, O: Observer>(
         &self,
         backend: &mut B,
-        problem: &Problem,
+        stepper: &mut dyn Steps<B>,
         observer: &mut O,
         start: f64,
         dt: f64,
@@ -147,7 +214,8 @@ impl Run {
         while bad - good > 1 {
             let middle = good + (bad - good) / 2;
             backend.restore()?;
-            backend.euler(start + good as f64 * dt, dt, middle - good)?;
+            stepper.reset();
+            stepper.take(backend, start + good as f64 * dt, dt, middle - good)?;
             if backend.is_finite()? {
                 backend.save()?;
                 good = middle;
@@ -156,7 +224,8 @@ impl Run {
             }
         }
         backend.restore()?;
-        backend.euler(start + good as f64 * dt, dt, bad - good)?;
+        stepper.reset();
+        stepper.take(backend, start + good as f64 * dt, dt, bad - good)?;
         let state = backend.read()?;
         backend.restore()?;
         observer.last_state(start + good as f64 * dt, backend.read()?.as_ref())?;
@@ -167,7 +236,7 @@ impl Run {
                 step: self.step + bad,
                 time: start + bad as f64 * dt,
                 particle,
-                position: problem.particles.position[particle],
+                position: self.problem.particles.position[particle],
                 value: state.as_ref()[particle],
             },
         }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Precision;
+use super::integrator::SolveFailure;
 use crate::model::Problem;
 use crate::model::operator::fold::Fault;
 use crate::model::operator::rows::Survey;
@@ -129,6 +130,67 @@ pub enum SolverError {
         /// What the self-test of compensated sums found.
         fault: String,
     },
+    /// An implicit method, but a matrix that is not symmetric.
+    #[error(
+        "the method {method} solves linear systems by conjugate gradients, for which convection on a \
+         support wider than two spacings leaves the matrix unsymmetric: take `rkl2`, or \
+         `kernel.support_ratio` 2"
+    )]
+    NotSymmetric {
+        /// Its name.
+        method: &'static str,
+    },
+    /// Conjugate gradients that do not get to their goal.
+    #[error(
+        "the linear system did not converge: {:.1e} after {} iterations, where {:.1e} is asked for; \
+         likely the tolerance is below what rounding leaves, parts of the body are insulated from all \
+         others, or the contrast is very large",
+        failed.reached, failed.iterations, failed.goal
+    )]
+    NotConverged {
+        /// What it had come to.
+        failed: SolveFailure,
+    },
+    /// A steady state of walls that change.
+    #[error(
+        "what walls impose changes in time: there is no steady state; give another time.method"
+    )]
+    NeverSteady,
+    /// Walls whose flows do not cancel, and nothing that takes them up.
+    #[error(
+        "there is no steady state: {flow:.3e} (value x volume) a second enter through walls, and nothing \
+         holds a value"
+    )]
+    NoSteadyState {
+        /// What enters a second, value x volume.
+        flow: f64,
+    },
+    /// A tolerance below what the precision can give.
+    #[error(
+        "time.tolerance is {tolerance:.1e} here, less than {} can give, {finest:.1e}; raise it, or take \
+         a better --precision", .precision.name()
+    )]
+    TooTight {
+        /// What is asked for, in the unit of the field.
+        tolerance: f64,
+        /// What can be had.
+        finest: f64,
+        /// The precision.
+        precision: Precision,
+    },
+    /// Steps that become too small to reach the end.
+    #[error(
+        "at step {step} (t = {time:.6e} s) the tolerance asks for steps below {dt:.1e} s: raise \
+         time.tolerance; where what is imposed jumps, name the times in time.breaks"
+    )]
+    StepTooSmall {
+        /// Steps taken.
+        step: u64,
+        /// Time reached, s.
+        time: f64,
+        /// The step asked for, s.
+        dt: f64,
+    },
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::GpuError),
@@ -146,8 +208,16 @@ impl SolverError {
             | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. }
             | Self::NotCompensated { .. }
-            | Self::NothingBetter { .. } => true,
-            Self::Diverged { .. } | Self::NotRepeatable { .. } | Self::Interrupted { .. } => false,
+            | Self::NothingBetter { .. }
+            | Self::NotSymmetric { .. }
+            | Self::NeverSteady
+            | Self::NoSteadyState { .. }
+            | Self::TooTight { .. } => true,
+            Self::Diverged { .. }
+            | Self::NotRepeatable { .. }
+            | Self::Interrupted { .. }
+            | Self::NotConverged { .. }
+            | Self::StepTooSmall { .. } => false,
             Self::Gpu(error) => error.is_usage(),
         }
     }
@@ -157,11 +227,18 @@ impl SolverError {
         matches!(self, Self::Gpu(error) if error.is_lack_of_room())
     }
 
+    /// Whether the run got as far as its last good step.
+    pub fn leaves_a_state(&self) -> bool {
+        matches!(self, Self::Diverged { .. } | Self::Interrupted { .. } | Self::StepTooSmall { .. })
+    }
+
     /// Steps whose result was good when the run stopped.
     pub fn good_steps(&self) -> u64 {
         match self {
             Self::Diverged { step, .. } => step - 1,
-            Self::Interrupted { step, .. } | Self::NotRepeatable { step } => *step,
+            Self::Interrupted { step, .. }
+            | Self::NotRepeatable { step }
+            | Self::StepTooSmall { step, .. } => *step,
             _ => 0,
         }
     }

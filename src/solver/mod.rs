@@ -1,22 +1,25 @@
 //! Plan, backends and the time loop; what a machine can do at most.
 
+mod adaptive;
 mod advance;
 pub mod backend;
 pub mod cpu;
 mod error;
 pub mod gpu;
-pub mod lattice;
+pub mod integrator;
 pub mod limits;
 mod machine;
+mod method;
 pub mod plan;
 mod precision;
 mod stagnation;
 mod step;
 mod timing;
 
-pub use advance::{Observer, Progress, Still, advance};
+pub use advance::{Observer, Progress, Still, Taken, advance};
 pub use backend::Backend;
 pub use error::SolverError;
+pub use integrator::Stepper;
 pub use limits::Limits;
 pub use machine::{BackendWish, Machine, MachineKind, MachineWish, Opened};
 pub use plan::{PathChoice, PathWish, Plan};

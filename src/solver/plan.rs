@@ -97,6 +97,15 @@ impl PathChoice {
         }
     }
 
+    /// Its kind.
+    pub fn path(&self) -> Path {
+        match self {
+            Self::List(_) => Path::List,
+            Self::Lattice(_) => Path::Lattice,
+            Self::Mixed(..) => Path::Mixed,
+        }
+    }
+
     /// The mixed path, if it can be had, and pays or is wished for; `why` not the lattice alone.
     fn mixed(problem: &Problem, wish: PathWish, why: &'static str) -> Result<Self, &'static str> {
         let scene = MixedScene::of(problem)?;

@@ -44,6 +44,16 @@ impl Precision {
         }
     }
 
+    /// The finest relative tolerance that an integrator can follow: a few hundred roundings of a change of
+    /// the state, since these add up over its steps and stages.
+    pub fn finest(self) -> f64 {
+        match self {
+            Self::F32 => 1e-5,
+            Self::Compensated => 1e-6,
+            Self::F64 => 1e-12,
+        }
+    }
+
     /// The name in flags and reports.
     pub fn name(self) -> &'static str {
         match self {

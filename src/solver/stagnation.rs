@@ -110,7 +110,7 @@ impl Foreseen {
 fn step(problem: &Problem) -> f64 {
     let given = match problem.time.step {
         StepChoice::Given(step) => step,
-        StepChoice::Automatic => ReportBounds::of(problem).cfl_third,
+        StepChoice::Automatic | StepChoice::Tolerance(_) => ReportBounds::of(problem).cfl_third,
     };
     let segments = Schedule::new(&problem.time, given);
     segments.map(|segment| segment.dt).fold(given, f64::min)

@@ -1,7 +1,9 @@
-//! Which step a run takes, and whether it may.
+//! Which method and step a run takes, and whether it may.
 
 use super::SolverError;
-use crate::model::integrator::Schedule;
+use super::method::ChosenMethod;
+use super::plan::Path;
+use crate::model::integrator::{Method, Schedule, Tolerance};
 use crate::model::operator::rows::{Rows, Survey};
 use crate::model::stability::{LargestEigenvalue, ReportBounds, largest_eigenvalue, safe_step};
 use crate::model::{Problem, StepChoice};
@@ -17,11 +19,20 @@ pub struct StepLimits {
     pub measured: Option<f64>,
 }
 
-/// The step of a run.
+/// The method and the steps of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// The step asked for or chosen, s. Infinite where nothing limits it.
+    /// The method.
+    pub method: Method,
+    /// Why it, where the case leaves it open.
+    pub why_method: Option<String>,
+    /// The step asked for or chosen, s, the first one where they follow a tolerance. Infinite where
+    /// nothing limits it.
     pub dt: f64,
+    /// What the steps follow, if they are not equal.
+    pub tolerance: Option<Tolerance>,
+    /// Whether the matrix is symmetric once scaled by volume.
+    pub symmetric: bool,
     /// What it was judged by.
     pub limits: StepLimits,
     /// Operator applications that measuring the limit took.
@@ -31,8 +42,8 @@ pub struct Step {
 }
 
 impl Step {
-    /// The smallest step that is really taken: `dt`, or less so that a whole number of steps lands
-    /// on every output (s).
+    /// The smallest of equal steps that is really taken: `dt`, or less so that a whole number of steps
+    /// lands on every output (s).
     pub fn taken(&self, problem: &Problem) -> f64 {
         let segments = Schedule::new(&problem.time, self.dt);
         segments.map(|segment| segment.dt).reduce(f64::min).unwrap_or(self.dt)
@@ -58,28 +69,49 @@ impl StepLimits {
     }
 }
 
-/// Takes the given step or the safe bound. A given step above the safe bound has the true limit
-/// measured, and only then; above that it is refused unless `allow_unstable`. The measurement needs
-/// a symmetric matrix: of another, the safe bound counts as the limit.
+/// Chooses the method of `problem` on `path` where the case leaves it open, and its step: the given one,
+/// what a tolerance allows, or for explicit Euler the safe bound. A given step of an explicit method of
+/// few stages above the safe bound has the true limit measured, and only then; above that it is refused
+/// unless `allow_unstable`. The measurement needs a symmetric matrix: of another, the safe bound counts as
+/// the limit.
 ///
 /// # Errors
-/// [`SolverError::UnstableStep`].
+/// [`SolverError::UnstableStep`]; [`SolverError::NotSymmetric`].
 pub fn choose_step(
     problem: &Problem,
+    path: Path,
     survey: &Survey,
     allow_unstable: bool,
     measure: impl FnOnce() -> LargestEigenvalue,
 ) -> Result<Step, SolverError> {
     let safe = safe_step(survey.rate_bound);
     let limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
-    let dt = match problem.time.step {
-        StepChoice::Automatic => safe,
-        StepChoice::Given(step) => step,
+    let ChosenMethod { method, why } =
+        ChosenMethod::of(problem, path, 2.0 * survey.rate_bound, survey.symmetric);
+    if method.is_implicit() && !survey.symmetric {
+        return Err(SolverError::NotSymmetric { method: method.name() });
+    }
+    let (dt, tolerance) = match problem.time.step {
+        StepChoice::Given(step) => (step, None),
+        StepChoice::Tolerance(tolerance) => (safe, Some(tolerance)),
+        StepChoice::Automatic => (safe, method.has_estimate().then_some(Tolerance::DEFAULT)),
     };
-    let mut step = Step { dt, limits, applications: 0, warnings: Vec::new() };
+    let mut step = Step {
+        method,
+        why_method: why,
+        dt,
+        tolerance,
+        symmetric: survey.symmetric,
+        limits,
+        applications: 0,
+        warnings: Vec::new(),
+    };
+    if tolerance.is_some() || method == Method::Steady {
+        return Ok(step);
+    }
     step.warnings.extend(step.lowered(problem));
     // The bound carries the rounding of a sum over the neighbours.
-    if dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
+    if !method.is_limited() || dt <= safe * (1.0 + 1e-12) || problem.time.end == 0.0 {
         return Ok(step);
     }
     let limit = if survey.symmetric {

@@ -10,7 +10,7 @@ use super::recorder::Recorder;
 use super::stagnated::stagnated;
 use crate::case::Scene;
 use crate::model::Problem;
-use crate::model::integrator::Schedule;
+use crate::model::integrator::Method;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
 use crate::model::operator::{SomeRows, WallNeeds, WallRows};
@@ -22,10 +22,9 @@ use crate::report::run::{
 use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::{GpuBackend, GpuOptions};
-use crate::solver::lattice::LatticeBackend;
 use crate::solver::{
     Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Progress, SolverError, Step,
-    advance, choose_step, measure_limit,
+    Stepper, Taken, advance, choose_step, measure_limit,
 };
 
 /// Points of the exact curve of a profile.
@@ -127,7 +126,7 @@ pub trait Driver {
     type Output;
 
     /// Works with `backend`, which holds the initial state.
-    fn drive<B: Backend>(self, prepared: Prepared, backend: B) -> Self::Output;
+    fn drive<B: Backend + 'static>(self, prepared: Prepared, backend: B) -> Self::Output;
 }
 
 /// Prepares `problem`, puts it on `machine` along the path of `choice` and has `driver` work with
@@ -159,10 +158,10 @@ pub fn start<D: Driver>(
             driver.drive(prepared, CpuBackend::new(problem, order, rows))
         }
         (Machine::Cpu, Some(Operator::Lattice { scene: lattice, walls })) => {
-            driver.drive(prepared, LatticeBackend::new(problem, lattice, walls))
+            driver.drive(prepared, CpuBackend::lattice(problem, lattice, walls))
         }
         (Machine::Cpu, Some(Operator::Mixed { scene: mixed, rows })) => {
-            driver.drive(prepared, LatticeBackend::mixed(problem, mixed, rows))
+            driver.drive(prepared, CpuBackend::mixed(problem, mixed, rows))
         }
         (Machine::Cpu, None) => unreachable!("the CPU path has asked for its operator"),
     })
@@ -234,7 +233,7 @@ pub fn prepare(
         }
     };
     // A measurement of the limit, for a given step above the safe bound, takes the rows.
-    let step = choose_step(problem, &survey, allow_unstable, || {
+    let step = choose_step(problem, choice.path(), &survey, allow_unstable, || {
         let grid = cell_grid(problem);
         measure_limit(problem, grid.order(), &assemble(problem, &grid).1)
     })?;
@@ -280,7 +279,7 @@ fn prepare_list(
     };
     SolverError::check_coincident(problem, &survey)?;
     SolverError::check_walls(problem, &survey)?;
-    let step = choose_step(problem, &survey, allow_unstable, || {
+    let step = choose_step(problem, choice.path(), &survey, allow_unstable, || {
         let rows = rows.get_or_insert_with(|| assemble(problem, &grid).1);
         measure_limit(problem, grid.order(), rows)
     })?;
@@ -300,29 +299,37 @@ struct Solve<'a, 'b> {
 impl Driver for Solve<'_, '_> {
     type Output = Result<Outcome, RunError>;
 
-    fn drive<B: Backend>(self, prepared: Prepared, mut backend: B) -> Self::Output {
+    fn drive<B: Backend + 'static>(self, prepared: Prepared, mut backend: B) -> Self::Output {
         let Self { scene, options, progress } = self;
         let setup = &Setup { scene, options, prepared: &prepared };
-        let schedule = Schedule::new(&scene.problem.time, prepared.step.dt);
         let ready = options.started.elapsed();
         let mut recorder = Recorder::start(scene, options.folder, progress)?;
         let first_output = recorder.spent;
         let clock = Instant::now();
-        let stopped = match advance(&mut backend, &scene.problem, &schedule, &mut recorder) {
-            Ok(()) => None,
-            Err(RunError::Solver(
-                error @ (SolverError::Diverged { .. } | SolverError::Interrupted { .. }),
-            )) => Some(error),
+        let (problem, step) = (&scene.problem, &prepared.step);
+        let precision = options.machine.kind().precision();
+        let mut stepper = Stepper::new(&mut backend, problem, step, precision)?;
+        let mut taken = Taken::equal(0, step.taken(problem));
+        let stopped = match advance(&mut backend, problem, &mut stepper, step.dt, &mut recorder) {
+            Ok(all) => {
+                taken = all;
+                None
+            }
+            Err(RunError::Solver(error)) if error.leaves_a_state() => {
+                taken.steps = error.good_steps();
+                Some(error)
+            }
             Err(error) => return Err(error),
         };
         let solving = clock.elapsed() + first_output - recorder.spent;
-        let steps = match &stopped {
-            None => schedule.total_steps(),
-            Some(error) => error.good_steps(),
+        let measured = Measured {
+            ready,
+            solving,
+            taken,
+            applications: stepper.applications(),
+            exchange: backend.exchange()?,
+            memory_bytes: backend.memory_bytes(),
         };
-        let exchange = backend.exchange()?;
-        let measured =
-            Measured { ready, solving, steps, exchange, memory_bytes: backend.memory_bytes() };
         drop(backend);
         finish(setup, recorder, &measured, stopped)
     }
@@ -339,7 +346,9 @@ struct Setup<'a> {
 struct Measured {
     ready: Duration,
     solving: Duration,
-    steps: u64,
+    taken: Taken,
+    /// Operator applications.
+    applications: u64,
     exchange: f64,
     memory_bytes: u64,
 }
@@ -384,6 +393,9 @@ fn report(
     let particles = problem.particles.len() as u64;
     let magnitude: Vec<f64> = problem.initial.iter().map(|value| value.abs()).collect();
     let solve = measured.solving.as_secs_f64();
+    let [initial, last] = [&problem.initial, &*recorder.state].map(|state| total(state, volume));
+    // No time passes on the way to a steady state: what came in is what the change took.
+    let exchange = if step.method == Method::Steady { last - initial } else { measured.exchange };
     let mut warnings = setup.scene.warnings.clone();
     warnings.extend(step.warnings.iter().cloned());
     RunReport {
@@ -398,22 +410,23 @@ fn report(
         particles,
         path: plan.path.name().to_owned(),
         why_precision: setup.options.why_precision.clone(),
-        method: problem.time.method.name().to_owned(),
-        steps: measured.steps,
-        operator_applications: measured.steps + step.applications,
-        dt: step.taken(problem),
-        dt_limit: step.limits.stable(),
+        method: step.method.name().to_owned(),
+        why_method: step.why_method.clone(),
+        steps: measured.taken.steps,
+        steps_refused: measured.taken.refused,
+        operator_applications: measured.applications + step.applications,
+        dt: measured.taken.smallest,
+        dt_largest: measured.taken.largest,
+        dt_limit: match step.method.is_limited() {
+            true => step.limits.stable(),
+            false => f64::INFINITY,
+        },
         simulated_s: recorder.time,
         wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
-        updates_per_s: (particles * measured.steps) as f64 / solve.max(f64::MIN_POSITIVE),
+        updates_per_s: (particles * measured.applications) as f64 / solve.max(f64::MIN_POSITIVE),
         memory_bytes: measured.memory_bytes,
         field: FieldRange::of(&recorder.state),
-        conserved: Conserved::new(
-            total(&problem.initial, volume),
-            total(&recorder.state, volume),
-            measured.exchange,
-            total(&magnitude, volume),
-        ),
+        conserved: Conserved::new(initial, last, exchange, total(&magnitude, volume)),
         density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
             ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))

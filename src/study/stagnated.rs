@@ -26,7 +26,7 @@ struct Largest {
 impl Driver for Largest {
     type Output = Result<f64, SolverError>;
 
-    fn drive<B: Backend>(self, prepared: Prepared, mut backend: B) -> Self::Output {
+    fn drive<B: Backend + 'static>(self, prepared: Prepared, mut backend: B) -> Self::Output {
         if prepared.step.dt.is_finite() {
             backend.euler(self.time, prepared.step.dt, SMOOTHING)?;
         }

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use diffusph::gpu::{self, Device};
-use diffusph::model::integrator::Method;
+use diffusph::model::integrator::{Method, MethodChoice, Preconditioner};
 use diffusph::model::operator::PairWeight;
 use diffusph::model::{
     Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem, StepChoice,
@@ -74,7 +74,10 @@ pub(crate) fn scene(
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Given(1.0),
-            method: Method::Euler,
+            method: MethodChoice::Given(Method::Euler),
+            breaks: Vec::new(),
+            linear_tolerance: None,
+            preconditioner: Preconditioner::TwoLevel,
             output_every: 1.0,
             probe_every: 1.0,
         },

@@ -5,10 +5,16 @@ use crate::model::TimePlan;
 /// Times closer than this fraction of the duration are one.
 const SAME_TIME: f64 = 1e-9;
 
-/// Equal steps up to a time where something is written.
+/// How far from a time at which something changes at once (of that time) what is imposed before it and
+/// after it are told apart.
+const BESIDE: f64 = 1e-12;
+
+/// Equal steps up to a time where something is written or changes at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Where it ends, s.
+    /// Where it starts, s: just after a time at which something changes at once.
+    pub start: f64,
+    /// Where it ends, s; its steps end just before that where something changes at once.
     pub end: f64,
     /// Step, s: the scene's step, or less so that a whole number of steps ends at `end`.
     pub dt: f64,
@@ -18,6 +24,8 @@ pub struct Segment {
     pub output: bool,
     /// Whether the probes are recorded at its end.
     pub probe: bool,
+    /// Whether something changes at once at its end.
+    pub is_break: bool,
 }
 
 /// The segments of a run, in order of time.
@@ -30,6 +38,8 @@ pub struct Schedule {
     time: f64,
     outputs: u64,
     probes: u64,
+    /// Times at which something changes at once, s, the latest first.
+    breaks: Vec<f64>,
 }
 
 impl Schedule {
@@ -43,6 +53,7 @@ impl Schedule {
             time: 0.0,
             outputs: 0,
             probes: 0,
+            breaks: plan.breaks.iter().rev().copied().collect(),
         }
     }
 
@@ -62,22 +73,28 @@ impl Iterator for Schedule {
         }
         let next_output = (self.outputs + 1) as f64 * self.output_every;
         let next_probe = (self.probes + 1) as f64 * self.probe_every;
-        let mut end = next_output.min(next_probe);
+        while self.breaks.pop_if(|time| *time <= self.time + same).is_some() {}
+        let next_break = self.breaks.last().copied().unwrap_or(f64::INFINITY);
+        let mut end = next_output.min(next_probe).min(next_break);
         if end > self.end - same {
             end = self.end;
         }
         let last = end == self.end;
         let output = last || next_output <= end + same;
         let probe = last || next_probe <= end + same;
+        let is_break = next_break <= end + same;
         self.outputs += u64::from(output);
         self.probes += u64::from(probe);
+        let (start, last_time) = (self.time, if is_break { end * (1.0 - BESIDE) } else { end });
         let steps = ((end - self.time) / self.step * (1.0 - SAME_TIME)).ceil().max(1.0);
-        let exact = (end - self.time) / steps;
+        let exact = (last_time - start) / steps;
         // The step as given where it fits: (end - time) / steps may differ from it by rounding.
-        let fits = self.step.is_finite() && (exact - self.step).abs() <= SAME_TIME * self.step;
+        let fits = !is_break
+            && self.step.is_finite()
+            && (exact - self.step).abs() <= SAME_TIME * self.step;
         let dt = if fits { self.step } else { exact };
-        self.time = end;
-        Some(Segment { end, dt, steps: steps as u64, output, probe })
+        self.time = if is_break { end * (1.0 + BESIDE) } else { end };
+        Some(Segment { start, end, dt, steps: steps as u64, output, probe, is_break })
     }
 }
 
@@ -85,11 +102,22 @@ impl Iterator for Schedule {
 mod tests {
     use super::*;
     use crate::model::StepChoice;
-    use crate::model::integrator::Method;
+    use crate::model::integrator::{Method, MethodChoice, Preconditioner};
 
     fn plan(end: f64, output_every: f64, probe_every: f64) -> TimePlan {
         let step = StepChoice::Automatic;
-        TimePlan { end, step, method: Method::Euler, output_every, probe_every }
+        let method = MethodChoice::Given(Method::Euler);
+        let breaks = vec![];
+        TimePlan {
+            end,
+            step,
+            method,
+            breaks,
+            linear_tolerance: None,
+            preconditioner: Preconditioner::TwoLevel,
+            output_every,
+            probe_every,
+        }
     }
 
     #[test]
@@ -116,6 +144,15 @@ mod tests {
         assert_eq!(Schedule::new(&plan(0.0, 1.0, 1.0), 0.1).total_steps(), 0);
         let segments: Vec<_> = Schedule::new(&plan(3.0, 3.0, 3.0), f64::INFINITY).collect();
         assert_eq!(segments.iter().map(|s| (s.steps, s.dt)).collect::<Vec<_>>(), [(1, 3.0)]);
+    }
+
+    #[test]
+    fn a_step_ends_where_something_changes() {
+        let mut plan = plan(1.0, 0.5, 1.0);
+        plan.breaks = vec![0.0, 0.3, 0.5, 2.0];
+        let segments: Vec<_> = Schedule::new(&plan, 1.0).collect();
+        let ends: Vec<_> = segments.iter().map(|s| (s.end, s.output, s.is_break)).collect();
+        assert_eq!(ends, [(0.3, false, true), (0.5, true, true), (1.0, true, false)]);
     }
 
     #[test]

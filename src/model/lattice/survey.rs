@@ -131,6 +131,36 @@ impl LatticeScene {
         sum
     }
 
+    /// The diagonal of the stencil at a site, 1/s, with what mirrors add to it: a function of the site.
+    pub fn diagonals(&self) -> impl Fn(usize) -> f64 + Sync {
+        let places = [0, 1, 2].map(|axis| self.places(axis));
+        let kind = |[x, y, z]: [usize; 3], [nx, ny, _]: [usize; 3]| (z * ny + y) * nx + x;
+        let counts = places.each_ref().map(Vec::len);
+        let mut of_kind = vec![0.0; counts.iter().product()];
+        for (z, place_z) in places[2].iter().enumerate() {
+            for (y, place_y) in places[1].iter().enumerate() {
+                for (x, place_x) in places[0].iter().enumerate() {
+                    let at = [place_x.at, place_y.at, place_z.at];
+                    of_kind[kind([x, y, z], counts)] = self.diagonal(at);
+                }
+            }
+        }
+        move |site| {
+            let at = self.at(site);
+            of_kind[kind([0, 1, 2].map(|axis| self.kind_of_place(axis, at[axis])), counts)]
+        }
+    }
+
+    fn diagonal(&self, at: [usize; 3]) -> f64 {
+        let mut diagonal = 0.0;
+        self.for_each(at, |_, weight, sites| {
+            let is_own = sites.map(|site| site.index) == at;
+            let factor: f64 = sites.iter().map(|site| site.factor).product();
+            diagonal += weight * (if is_own { factor } else { 0.0 } - 1.0);
+        });
+        diagonal
+    }
+
     /// Adds some particles.
     pub(super) fn note(&self, problem: &Problem, alike: &Alike, survey: &mut Survey) {
         let Alike { at, count, free, mass, ratio } = *alike;

@@ -111,7 +111,7 @@ impl Assembled {
         let held = self.rows.held_rank().iter().zip(self.rows.held_rates(&by_rank));
         let volume = |rank: u32| problem.particles.volume[self.order[rank as usize] as usize];
         let by_held: f64 = held.map(|(&rank, rate)| -volume(rank) * rate).sum();
-        by_held + self.rows.walls().inflow(&by_rank, &self.source)
+        by_held + self.rows.walls().inflow(&by_rank, Some(&self.source))
     }
 }
 

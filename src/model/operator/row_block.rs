@@ -87,6 +87,12 @@ impl RowBlock {
         (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
     }
 
+    /// -sum_b w_ab of each row, 1/s.
+    pub(super) fn diagonals(&self) -> impl Iterator<Item = f64> + '_ {
+        let rows = self.start.windows(2).map(|row| row[0] as usize..row[1] as usize);
+        rows.map(|row| -self.weight[row].iter().sum::<f64>())
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&*self.start) + size_of_val(&*self.index) + size_of_val(&*self.weight)
     }

@@ -368,6 +368,15 @@ impl Rows {
         }
     }
 
+    /// A_aa of every row, 1/s; 0 for held particles.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal: Vec<f64> = self.blocks.iter().flat_map(RowBlock::diagonals).collect();
+        for (&rank, by_walls) in self.walls.rank().iter().zip(self.walls.diagonal()) {
+            diagonal[rank as usize] += by_walls;
+        }
+        diagonal
+    }
+
     /// The rate that each held particle would have from those that are not held, in the order of
     /// [`Rows::held_rank`].
     ///

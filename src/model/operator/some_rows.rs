@@ -96,6 +96,11 @@ impl SomeRows {
         (survey, rows)
     }
 
+    /// Ranks of the held particles, ascending.
+    pub fn held_rank(&self) -> &[u32] {
+        &self.held_rank
+    }
+
     /// What walls add to these rows and to others.
     pub fn walls(&self) -> &WallRows {
         &self.walls
@@ -115,6 +120,16 @@ impl SomeRows {
     ) {
         assert_eq!(state.len(), self.count, "one value a rank");
         wide::run(Rates { rows: self, ranks, state, source, write });
+    }
+
+    /// Calls `write(rank, A_aa)` for every stored row, 1/s; -1 for held particles.
+    pub fn diagonals(&self, mut write: impl FnMut(usize, f64)) {
+        let by_pairs = self.blocks.iter().flat_map(RowBlock::diagonals);
+        for ((&rank, by_pairs), &wall) in self.rank.iter().zip(by_pairs).zip(&self.wall_row) {
+            let by_walls = if wall == NONE { 0.0 } else { self.walls.diagonal()[wall as usize] };
+            write(rank as usize, by_pairs + by_walls);
+        }
+        self.held_rank.iter().for_each(|&rank| write(rank as usize, -1.0));
     }
 
     fn by_walls(&self, wall: usize, own: f64, source: &[f64]) -> f64 {

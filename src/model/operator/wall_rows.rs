@@ -201,10 +201,15 @@ impl WallRows {
         }
     }
 
-    /// What enters the body through walls, value x volume a second, with values `state` by rank.
-    pub fn inflow(&self, state: &[f64], source: &[f64]) -> f64 {
-        let rows = self.rank.iter().zip(&self.volume).zip(self.flow.iter().zip(source));
-        rows.map(|((&rank, volume), (flow, s))| volume * (flow * state[rank as usize] + s)).sum()
+    /// What enters the body through walls, value x volume a second, with values `state` by rank; no
+    /// source is none at all.
+    pub fn inflow(&self, state: &[f64], source: Option<&[f64]>) -> f64 {
+        let rows = self.rank.iter().zip(&self.volume).zip(&self.flow).enumerate();
+        let source = |row: usize| source.map_or(0.0, |source| source[row]);
+        rows.map(|(row, ((&rank, volume), flow))| {
+            volume * (flow * state[rank as usize] + source(row))
+        })
+        .sum()
     }
 
     /// The rows from `rank` on, one after another.

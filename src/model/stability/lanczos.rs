@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Tridiagonal;
 use crate::model::operator::rows::Rows;
 
 /// Iterations at most; the largest eigenvalue of a lattice's operator needs about 50.
@@ -31,18 +32,17 @@ pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
     let root: Vec<f64> = volume.iter().map(|v| v.sqrt()).collect();
     let mut previous = vec![0.0; n];
     let mut vector = start_vector(rows, n);
-    let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
-    let mut beta = 0.0;
+    let (mut matrix, mut beta) = (Tridiagonal::default(), 0.0);
     for iteration in 1..=MAX_ITERATIONS {
         let mut next = apply(rows, &root, &vector);
         let alpha = dot(&vector, &next);
         axpy(&mut next, -alpha, &vector);
         axpy(&mut next, -beta, &previous);
-        diagonal.push(alpha);
+        matrix.extend(beta, alpha);
         beta = dot(&next, &next).sqrt();
         let exhausted = beta <= 1e-12 * alpha.abs() || iteration == MAX_ITERATIONS;
         if exhausted || iteration % CHECK_EVERY == 0 {
-            let (ritz, last) = largest_ritz(&diagonal, &off_diagonal);
+            let (ritz, last) = matrix.largest();
             let residual = beta * last.abs();
             if exhausted || residual <= TOLERANCE * ritz {
                 return LargestEigenvalue {
@@ -51,7 +51,6 @@ pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
                 };
             }
         }
-        off_diagonal.push(beta);
         next.par_iter_mut().for_each(|x| *x /= beta);
         previous = std::mem::replace(&mut vector, next);
     }
@@ -95,46 +94,6 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
 
 fn axpy(y: &mut [f64], factor: f64, x: &[f64]) {
     y.par_iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
-}
-
-/// The largest eigenvalue of the symmetric tridiagonal matrix and the last component of its
-/// normalised eigenvector.
-fn largest_ritz(diagonal: &[f64], off_diagonal: &[f64]) -> (f64, f64) {
-    let beta = |i: usize| off_diagonal.get(i).copied().unwrap_or(0.0);
-    let radius = |i: usize| beta(i) + if i > 0 { beta(i - 1) } else { 0.0 };
-    let mut high = (0..diagonal.len()).map(|i| diagonal[i] + radius(i)).fold(f64::MIN, f64::max);
-    let mut low = diagonal.iter().copied().fold(f64::MIN, f64::max);
-    while high - low > 1e-13 * high.abs() {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if is_above_all(diagonal, off_diagonal, middle) { high = middle } else { low = middle }
-    }
-    // The eigenvector by the three-term recurrence, scaled as it goes so that it stays finite.
-    let (mut before, mut here, mut squares) = (0.0_f64, 1.0_f64, 1.0_f64);
-    for (i, alpha) in diagonal[..diagonal.len() - 1].iter().enumerate() {
-        let back = if i > 0 { beta(i - 1) * before } else { 0.0 };
-        let next = ((high - alpha) * here - back) / beta(i);
-        (before, here) = (here, next);
-        squares += next * next;
-        if squares > 1e200 {
-            (before, here, squares) = (before * 1e-100, here * 1e-100, squares * 1e-200);
-        }
-    }
-    (high, here / squares.sqrt())
-}
-
-/// Whether `x` is above every eigenvalue (Sturm: all pivots of T - x I are negative).
-fn is_above_all(diagonal: &[f64], off_diagonal: &[f64], x: f64) -> bool {
-    let mut pivot = diagonal[0] - x;
-    for i in 1..diagonal.len() {
-        if pivot >= 0.0 {
-            return false;
-        }
-        pivot = diagonal[i] - x - off_diagonal[i - 1] * off_diagonal[i - 1] / pivot;
-    }
-    pivot < 0.0
 }
 
 #[cfg(test)]

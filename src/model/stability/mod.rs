@@ -1,8 +1,10 @@
 //! How large a step of explicit Euler may be.
 
 mod lanczos;
+mod tridiagonal;
 
 pub use lanczos::{LargestEigenvalue, largest_eigenvalue};
+pub use tridiagonal::Tridiagonal;
 
 use super::Problem;
 

@@ -4,6 +4,7 @@
 //! State lives on the device in the order of its cells or sites; the problem's order is restored on
 //! reading back.
 
+mod backend;
 pub mod lattice;
 mod list;
 mod operator;
@@ -12,13 +13,14 @@ mod scaling;
 mod self_test;
 mod sorted;
 mod steps;
+pub mod vector;
 mod walls;
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use super::plan::Needs;
-use super::{Backend, Precision, SolverError};
+use super::{Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
@@ -34,6 +36,8 @@ use scaling::{Scaling, reference_step};
 pub use self_test::SelfTest;
 pub use sorted::Sorted;
 use steps::Steps;
+pub use vector::GpuVector;
+use vector::{Tools, VectorScene, Volumes};
 use walls::{WallSlots, Walls};
 
 /// How a scene is put on a device.
@@ -84,6 +88,9 @@ pub struct GpuBackend {
     /// Reference step, s.
     reference_step: f64,
     saved: Option<Saved>,
+    scene: VectorScene,
+    /// Only where vectors are used.
+    tools: Option<Box<Tools>>,
 }
 
 /// A copy of the state.
@@ -138,6 +145,11 @@ impl GpuBackend {
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
         let bytes = options.most_bytes(device);
         let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
+        let volumes = order.iter().map(|&p| particles.volume[p as usize]);
+        let scene = VectorScene {
+            exceptions: lattice::exceptions(&rows, walls.slot_rows()),
+            volumes: Volumes::of(volumes),
+        };
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
         let exchange = match choices.held {
             true => Some(
@@ -155,6 +167,8 @@ impl GpuBackend {
             held: held.into_iter().map(|(row, volume)| (2 * row as usize, volume)).collect(),
             reference_step: scaling.step,
             saved: None,
+            scene,
+            tools: None,
         })
     }
 
@@ -179,6 +193,11 @@ impl GpuBackend {
         let walls = walls.without_diagonal();
         let held = scene.held_sites(&problem.held);
         let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
+        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
+        let of_vectors = VectorScene {
+            exceptions: lattice::exceptions(&held, walls.rank()),
+            volumes: Volumes::Same(volume),
+        };
         let exchange = match held.is_empty() {
             true => None,
             false => {
@@ -188,7 +207,6 @@ impl GpuBackend {
         };
         let slots = WallSlots::new(device, real, walls, step)?;
         let operator = Operator::Lattice(lattice);
-        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
         let initial: Cow<'_, [f64]> = match scene.order {
             None => Cow::Borrowed(&problem.initial),
             Some(_) => Cow::Owned(scene.by_site(&problem.initial)),
@@ -201,6 +219,8 @@ impl GpuBackend {
             held: (0..held.len()).map(|k| (4 * k, volume)).collect(),
             reference_step: step,
             saved: None,
+            scene: of_vectors,
+            tools: None,
         })
     }
 
@@ -251,99 +271,6 @@ impl GpuBackend {
             by_particle[particle as usize] = value;
         }
         Ok(GpuField(by_particle))
-    }
-}
-
-impl Backend for GpuBackend {
-    type Field = GpuField;
-
-    fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
-        Ok(self.steps.run(&self.device, time, dt, self.reference_step, count)?)
-    }
-
-    fn wait(&mut self) -> Result<(), SolverError> {
-        Ok(self.device.wait_for_all()?)
-    }
-
-    fn read(&mut self) -> Result<GpuField, SolverError> {
-        self.field(self.steps.state(), 1.0)
-    }
-
-    fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
-        let rate = self.steps.rate(&self.device, &self.operator, time)?;
-        self.field(rate, 1.0 / self.reference_step)
-    }
-
-    fn exchange(&mut self) -> Result<f64, SolverError> {
-        let walls = self.steps.walls().map(|walls| walls.inflow(&self.device));
-        let through_walls = walls.transpose()?.unwrap_or(0.0);
-        let Some(buffer) = self.steps.exchange() else {
-            return Ok(through_walls);
-        };
-        let real = self.operator.precision().real();
-        let given = real.from_bytes(&self.device.read(buffer)?);
-        let amount = |&(place, volume): &(usize, f64)| volume * (given[place] + given[place + 1]);
-        Ok(through_walls + self.held.iter().map(amount).sum::<f64>())
-    }
-
-    fn is_finite(&mut self) -> Result<bool, SolverError> {
-        Ok(self.steps.is_finite(&self.device)?)
-    }
-
-    fn is_still(&mut self) -> Result<bool, SolverError> {
-        let may_stagnate = self.operator.precision() != Precision::F64;
-        Ok(may_stagnate && self.steps.is_still(&self.device)?)
-    }
-
-    fn save(&mut self) -> Result<(), SolverError> {
-        if self.saved.is_none() {
-            let twin = |buffer: &Buffer| self.device.storage("saved state", buffer.bytes());
-            self.saved = Some(Saved {
-                state: self.steps.state().iter().map(twin).collect::<Result<_, _>>()?,
-                exchange: self.steps.exchange().map(twin).transpose()?,
-                walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
-                tick: 0,
-            });
-        }
-        if let (Some(saved), Some(walls)) = (&mut self.saved, self.steps.walls()) {
-            saved.tick = walls.tick();
-        }
-        Ok(self.copy_saved(|here, saved| (here, saved))?)
-    }
-
-    fn restore(&mut self) -> Result<(), SolverError> {
-        if let (Some(saved), Some(walls)) = (&self.saved, self.steps.walls_mut()) {
-            walls.set_tick(saved.tick);
-        }
-        Ok(self.copy_saved(|here, saved| (saved, here))?)
-    }
-
-    fn memory_bytes(&self) -> u64 {
-        let saved = self.saved.as_ref().map_or(0, |saved| {
-            let buffers = saved.state.iter().chain(&saved.exchange).chain(&saved.walls);
-            buffers.map(Buffer::bytes).sum::<u64>()
-        });
-        self.operator.bytes() + self.steps.bytes() + saved
-    }
-}
-
-impl GpuBackend {
-    /// Copies between the state and what is saved, from the first of `direction` to its second;
-    /// nothing where nothing is saved.
-    fn copy_saved(
-        &self,
-        direction: for<'a> fn(&'a Buffer, &'a Buffer) -> (&'a Buffer, &'a Buffer),
-    ) -> Result<(), GpuError> {
-        let Some(saved) = &self.saved else {
-            return Ok(());
-        };
-        let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
-        let state = self.steps.state().iter().zip(&saved.state);
-        let mut pairs: Vec<_> = state.map(|(here, there)| direction(here, there)).collect();
-        pairs.extend(exchange.map(|(here, there)| direction(here, there)));
-        let walls = self.steps.walls().zip(saved.walls.as_ref());
-        pairs.extend(walls.map(|(here, there)| direction(&here.wall, there)));
-        self.device.copy(&pairs)
     }
 }
 

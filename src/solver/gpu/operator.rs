@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use super::lattice::Lattice;
 use super::list::{Chunk, List};
-use super::passes::Choices;
-use super::walls::WallSlots;
+use super::passes::{Choices, EXCEPTION_BYTES};
 use crate::gpu::{Buffer, Device, GpuError, Pass};
 use crate::solver::Precision;
 
@@ -25,6 +24,10 @@ pub(super) enum Makes {
     Step,
     /// Rates.
     Rate,
+    /// Shares of a field and of its rate, and what the outside gave.
+    Combination,
+    /// The factor of each value in its own rate.
+    Diagonal,
 }
 
 /// What these passes read and write.
@@ -36,16 +39,31 @@ pub(super) struct Fields<'a> {
     pub(super) to: &'a [Buffer],
     /// What held particles have given; only where there is one.
     pub(super) exchange: Option<&'a Buffer>,
-    /// The rows to which walls add more than weights; only where there is one.
-    pub(super) walls: Option<&'a WallSlots>,
+    /// The rows to which walls add more than weights, and their sources; only where there is one.
+    pub(super) walls: Option<[&'a Buffer; 2]>,
     /// The step over the reference step.
     pub(super) step_size: &'a Buffer,
+    /// Only of a combination.
+    pub(super) combination: Option<Combination<'a>>,
+}
+
+/// What a combination reads and writes besides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Combination<'a> {
+    /// The shares.
+    pub(super) factors: &'a Buffer,
+    /// What the outside gave so far, of which the same share is taken.
+    pub(super) given_before: &'a Buffer,
+    /// Where the result of that goes.
+    pub(super) given: &'a Buffer,
+    /// Place, slot of a wall and place among the held of the particles that it concerns.
+    pub(super) exception: &'a Buffer,
 }
 
 impl Fields<'_> {
     /// The buffers of walls, in the order of their bindings.
     pub(super) fn walls(&self) -> impl Iterator<Item = &Buffer> {
-        self.walls.into_iter().flat_map(|walls| [&walls.wall, &walls.source])
+        self.walls.into_iter().flatten()
     }
 }
 
@@ -83,8 +101,10 @@ impl Operator {
     ) -> Result<Vec<Pass>, GpuError> {
         match self {
             Self::List { list, choices } => {
-                let pass = |chunk| list_pass(device, choices, list, chunk, makes, fields);
-                list.chunks.iter().map(pass).collect()
+                let passes = |chunk| list_passes(device, choices, list, chunk, makes, fields);
+                let all: Vec<Vec<Pass>> =
+                    list.chunks.iter().map(passes).collect::<Result<_, _>>()?;
+                Ok(all.into_iter().flatten().collect())
             }
             Self::Lattice(lattice) => lattice.passes(device, makes, fields),
         }
@@ -99,14 +119,14 @@ impl Operator {
     }
 }
 
-fn list_pass(
+fn list_passes(
     device: &Device,
     choices: &Choices,
     list: &List,
     chunk: &Chunk,
     makes: Makes,
     fields: &Fields<'_>,
-) -> Result<Pass, GpuError> {
+) -> Result<Vec<Pass>, GpuError> {
     let mut buffers = vec![
         &chunk.block,
         &list.row_length,
@@ -122,6 +142,18 @@ fn list_pass(
     let source = match makes {
         Makes::Rate => choices.rate(),
         Makes::Step => choices.step(),
+        Makes::Combination => choices.combine(),
+        Makes::Diagonal => choices.diagonal(),
     };
-    device.pass(&source, &buffers, chunk.row_count())
+    let Some(Combination { factors, given_before, given, exception }) = fields.combination else {
+        return Ok(vec![device.pass(&source, &buffers, chunk.row_count())?]);
+    };
+    buffers.push(factors);
+    let mut passes = vec![device.pass(&source, &buffers, chunk.row_count())?];
+    if exception.bytes() > 0 {
+        buffers.extend([given_before, given, exception]);
+        let exceptions = exception.bytes() / EXCEPTION_BYTES;
+        passes.push(device.pass(&choices.list_given(), &buffers, exceptions)?);
+    }
+    Ok(passes)
 }

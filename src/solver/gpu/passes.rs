@@ -21,6 +21,9 @@ pub const LENGTH_MASK: u32 = WALL_BIT - 1;
 /// The slot of a row that has none.
 pub const NO_SLOT: u32 = u32::MAX;
 
+/// Bytes of a place with its slot of a wall and its place among the held.
+pub(super) const EXCEPTION_BYTES: u64 = 16;
+
 /// Steps whose wall sources the device holds at once, where they change.
 pub const SOURCE_STEPS: u32 = 64;
 
@@ -65,6 +68,10 @@ pub static CHUNK: BlockLayout =
 /// The step over the reference step, and a zero that compilers do not know.
 pub static STEP_SIZE: BlockLayout =
     BlockLayout { name: "StepSize", counts: &["opaque_zero"], reals: &["over_reference"] };
+
+/// Shares of a field and of its rate (a reference step), and how many particles are held.
+pub static COMBINATION: BlockLayout =
+    BlockLayout { name: "Combination", counts: &["held"], reals: &["share", "scale"] };
 
 /// What walls add to a step beyond weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,6 +153,11 @@ pub(super) const fn write(name: &'static str, element: Element) -> Binding {
 /// The elements of a state.
 pub(super) fn value(precision: Precision) -> Element {
     if precision.words() == 2 { Element::Real2 } else { Element::Real }
+}
+
+/// The buffers of what the outside gave, before and after a combination.
+pub(super) fn given(precision: Precision) -> [Binding; 2] {
+    [read("given_before", value(precision)), write("given", value(precision))]
 }
 
 /// The shader files of a state and of sums that keep what rounding takes. Passes that name them bind
@@ -343,6 +355,28 @@ impl Choices {
         self.on_list("rate")
     }
 
+    /// Shares of a field and of its rate, for the rows of a chunk.
+    pub fn combine(&self) -> PassSource {
+        let mut source = self.on_list("combine");
+        source.bindings.push(block("factors", &COMBINATION));
+        source.slots.push("vector/combined".to_owned());
+        source
+    }
+
+    /// What held particles and walls give to the rows of a chunk, of the same combination.
+    pub fn list_given(&self) -> PassSource {
+        let mut source = PassSource { pass: "list_given", ..self.combine() };
+        source.bindings.extend(given(self.precision));
+        source.bindings.push(read("exception", Element::U32x4));
+        source.slots.push("vector/given".to_owned());
+        source
+    }
+
+    /// The factor of each row's own value in its rate.
+    pub fn diagonal(&self) -> PassSource {
+        self.on_list("diagonal")
+    }
+
     /// Evaluates the pair functions at given arguments: a diagnostic.
     pub fn probe(&self) -> PassSource {
         let bindings = vec![
@@ -367,6 +401,9 @@ impl Choices {
             self.wall_fold(),
             self.step(),
             self.rate(),
+            self.combine(),
+            self.list_given(),
+            self.diagonal(),
             self.probe(),
         ]
     }

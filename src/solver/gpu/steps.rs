@@ -58,8 +58,9 @@ impl Steps {
                 from: &state[from],
                 to: &state[1 - from],
                 exchange: exchange.as_ref(),
-                walls: walls.as_ref(),
+                walls: walls.as_ref().map(WallSlots::buffers),
                 step_size: &step_size,
+                combination: None,
             };
             operator.passes(device, Makes::Step, &fields)
         };
@@ -133,6 +134,26 @@ impl Steps {
         &self.state[self.current]
     }
 
+    /// The parts that the next step writes.
+    pub(super) fn next(&self) -> &[Buffer] {
+        &self.state[1 - self.current]
+    }
+
+    /// Which of two places the state is in.
+    pub(super) fn current(&self) -> usize {
+        self.current
+    }
+
+    /// Takes what was written for the next state as the present one.
+    pub(super) fn turn(&mut self) {
+        self.current = 1 - self.current;
+    }
+
+    /// The block with a zero that compilers do not know.
+    pub(super) fn step_size(&self) -> &Buffer {
+        &self.step_size
+    }
+
     /// What held particles have given.
     pub(super) fn exchange(&self) -> Option<&Buffer> {
         self.exchange.as_ref()
@@ -159,13 +180,14 @@ impl Steps {
         if let Some(walls) = &self.walls {
             walls.prepare(device, time, 0.0, 1)?;
         }
-        let to = &self.state[1 - self.current];
+        let to = self.next();
         let fields = Fields {
             from: self.state(),
             to,
             exchange: self.exchange.as_ref(),
-            walls: self.walls.as_ref(),
+            walls: self.walls.as_ref().map(WallSlots::buffers),
             step_size: &self.step_size,
+            combination: None,
         };
         device.submit(&operator.passes(device, Makes::Rate, &fields)?)?;
         Ok(to)

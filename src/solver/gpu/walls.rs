@@ -135,6 +135,24 @@ impl WallSlots {
         Ok(Some(slots))
     }
 
+    /// The rows and their sources, in the order of their bindings.
+    pub(super) fn buffers(&self) -> [&Buffer; 2] {
+        [&self.wall, &self.source]
+    }
+
+    /// Whether a source changes in time.
+    pub(super) fn is_changing(&self) -> bool {
+        self.rows.is_changing()
+    }
+
+    /// What the source of each slot gains between two times (s), 1/s x value.
+    pub(super) fn source_change(&self, from: f64, to: f64) -> Vec<f64> {
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        self.rows.source_at(from, &mut before);
+        self.rows.source_at(to, &mut after);
+        after.iter().zip(&before).map(|(after, before)| after - before).collect()
+    }
+
     /// How many steps the sources can be written for at once.
     pub(super) fn most_steps(&self) -> u64 {
         if self.rows.is_changing() { u64::from(SOURCE_STEPS) } else { u64::MAX }

@@ -47,7 +47,7 @@ impl Cost {
 }
 
 /// Operations of the stencil of a choice that is a lattice, far from edges: as the CPU factors the
-/// sum (`src/solver/lattice/kernel.rs`) or as the shaders write it out.
+/// sum (`src/solver/cpu/lattice/kernel.rs`) or as the shaders write it out.
 pub(super) fn stencil_operations(choice: &PathChoice, machine: MachineKind) -> Option<f64> {
     let PathChoice::Lattice(scene) = choice else {
         return None;

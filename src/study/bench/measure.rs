@@ -84,7 +84,7 @@ struct Run {
 impl Driver for Stopwatch {
     type Output = Result<Run, SolverError>;
 
-    fn drive<B: Backend>(self, prepared: Prepared, mut backend: B) -> Self::Output {
+    fn drive<B: Backend + 'static>(self, prepared: Prepared, mut backend: B) -> Self::Output {
         backend.wait()?;
         let setup_s = self.started.elapsed().as_secs_f64();
         let dt = prepared.step.dt;

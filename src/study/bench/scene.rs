@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::model::integrator::Method;
+use crate::model::integrator::{Method, MethodChoice, Preconditioner};
 use crate::model::{
     Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem, StepChoice,
     TimePlan, lattice,
@@ -74,7 +74,10 @@ pub(super) fn scene(size: u64, dimension: usize, support_ratio: f64) -> Problem 
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Automatic,
-            method: Method::Euler,
+            method: MethodChoice::Given(Method::Euler),
+            breaks: Vec::new(),
+            linear_tolerance: None,
+            preconditioner: Preconditioner::TwoLevel,
             output_every: 1.0,
             probe_every: 1.0,
         },

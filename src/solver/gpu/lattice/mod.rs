@@ -111,7 +111,11 @@ impl Lattice {
         fields: &Fields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
         let mut passes = Vec::new();
-        for sites in [Sites::All, Sites::Exceptions] {
+        let sites: &[Sites] = match makes {
+            Makes::Diagonal => &[Sites::All],
+            _ => &[Sites::All, Sites::Exceptions],
+        };
+        for &sites in sites {
             let source = self.source.pass(sites, makes);
             for (k, part) in self.parts.iter().enumerate() {
                 let threads = match sites {
@@ -119,7 +123,7 @@ impl Lattice {
                     Sites::Exceptions => part.exceptions.len(),
                 };
                 if threads > 0 {
-                    let buffers = self.buffers(k, sites, fields);
+                    let buffers = self.buffers(k, sites, makes, fields);
                     passes.push(device.pass(&source, &buffers, threads as u64)?);
                 }
             }
@@ -128,11 +132,20 @@ impl Lattice {
     }
 
     /// The buffers of a pass on part `k`, in the order of its bindings.
-    fn buffers<'a>(&'a self, k: usize, sites: Sites, fields: &'a Fields<'a>) -> Vec<&'a Buffer> {
+    fn buffers<'a>(
+        &'a self,
+        k: usize,
+        sites: Sites,
+        makes: Makes,
+        fields: &'a Fields<'a>,
+    ) -> Vec<&'a Buffer> {
         let part = &self.parts[k];
-        let mut buffers = vec![&part.block, &fields.from[k]];
-        if self.source.is_split {
-            buffers.extend(part.beside.map(|other| &fields.from[other]));
+        let mut buffers = vec![&part.block];
+        if makes != Makes::Diagonal {
+            buffers.push(&fields.from[k]);
+            if self.source.is_split {
+                buffers.extend(part.beside.map(|other| &fields.from[other]));
+            }
         }
         buffers.extend([&fields.to[k], fields.step_size, &self.edge_factor]);
         buffers.extend(&self.entry);
@@ -140,6 +153,12 @@ impl Lattice {
             buffers.extend(&self.exception);
             buffers.extend(fields.exchange);
             buffers.extend(fields.walls());
+        }
+        if let Some(combination) = fields.combination {
+            buffers.push(combination.factors);
+            if sites == Sites::Exceptions {
+                buffers.extend([combination.given_before, combination.given]);
+            }
         }
         buffers
     }
@@ -221,8 +240,8 @@ fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
     Ok((0..count).map(|k| start(k)..start(k + 1)).collect())
 }
 
-/// Site, slot and place among the held of each site that has one of these, ascending.
-fn exceptions(held: &[u32], walls: &[u32]) -> Vec<[u32; 4]> {
+/// Site (or row), slot and place among the held of each that has one of these, ascending.
+pub(super) fn exceptions(held: &[u32], walls: &[u32]) -> Vec<[u32; 4]> {
     let mut list: Vec<[u32; 4]> = Vec::with_capacity(held.len() + walls.len());
     let held = (0..).zip(held).map(|(place, &site)| [site, NO_SLOT, place, 0]);
     let walls = (0..).zip(walls).map(|(slot, &site)| [site, slot, NO_SLOT, 0]);

@@ -7,7 +7,8 @@ use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
-    NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, read, value, write,
+    COMBINATION, NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, given, read,
+    value, write,
 };
 
 /// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
@@ -67,8 +68,10 @@ pub(super) enum Sites {
 impl StencilSource {
     /// Every pass.
     pub fn all(&self) -> Vec<PassSource> {
-        let of = |sites| [Makes::Step, Makes::Rate].map(|makes| self.pass(sites, makes));
-        [Sites::All, Sites::Exceptions].into_iter().flat_map(of).collect()
+        let makes = [Makes::Step, Makes::Rate, Makes::Combination];
+        let of = |sites| makes.map(|makes| self.pass(sites, makes));
+        let all = [Sites::All, Sites::Exceptions].into_iter().flat_map(of);
+        all.chain([self.pass(Sites::All, Makes::Diagonal)]).collect()
     }
 
     /// What `real` means in the shaders.
@@ -78,13 +81,13 @@ impl StencilSource {
 
     /// The pass over some sites of a part.
     pub(super) fn pass(&self, sites: Sites, makes: Makes) -> PassSource {
-        let mut bindings = vec![block("part", &PART), read("before", value(self.precision))];
-        let state = if self.is_split {
-            bindings.extend(["below", "above"].map(|name| read(name, value(self.precision))));
-            "lattice/split"
-        } else {
-            "lattice/whole"
+        let mut bindings = vec![block("part", &PART)];
+        let (state, read_from): (_, &[&str]) = match (makes, self.is_split) {
+            (Makes::Diagonal, _) => ("lattice/unit", &[]),
+            (_, true) => ("lattice/split", &["before", "below", "above"]),
+            (_, false) => ("lattice/whole", &["before"]),
         };
+        bindings.extend(read_from.iter().map(|&name| read(name, value(self.precision))));
         bindings.extend([
             write("after", value(self.precision)),
             block("step_size", &STEP_SIZE),
@@ -99,11 +102,21 @@ impl StencilSource {
         if sites == Sites::Exceptions {
             slots.extend(self.exceptions(&mut bindings));
         }
+        if makes == Makes::Combination {
+            bindings.push(block("factors", &COMBINATION));
+            slots.push("vector/combined");
+            if sites == Sites::Exceptions {
+                bindings.extend(given(self.precision));
+                slots.push("vector/given");
+            }
+        }
         let pass = match (sites, makes) {
             (Sites::All, Makes::Step) => "lattice_step",
-            (Sites::All, Makes::Rate) => "lattice_rate",
+            (Sites::All, Makes::Rate | Makes::Diagonal) => "lattice_rate",
+            (Sites::All, Makes::Combination) => "lattice_combine",
             (Sites::Exceptions, Makes::Step) => "exception_step",
-            (Sites::Exceptions, Makes::Rate) => "exception_rate",
+            (Sites::Exceptions, Makes::Rate | Makes::Diagonal) => "exception_rate",
+            (Sites::Exceptions, Makes::Combination) => "exception_combine",
         };
         PassSource {
             pass,

@@ -21,6 +21,7 @@ use std::ops::Range;
 
 use crate::model::lattice::{LatticeScene, WIDEST};
 use crate::model::wide::{self, Work, multiply_add};
+use crate::solver::cpu::operator::Combine;
 
 use ends::NearEnd;
 use members::{Members, MembersOf};
@@ -60,16 +61,9 @@ impl Run {
     }
 }
 
-/// What is written at each site: `share` C + `scale` x rate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Combine {
-    pub(super) share: f64,
-    pub(super) scale: f64,
-}
-
 /// What working on runs needs beside what it reads and writes.
 #[derive(Debug)]
-pub(super) struct Scratch {
+pub(in crate::solver::cpu) struct Scratch {
     members: MembersOf,
     /// P_0, Q_1, Q_2, ... from `reach` before the run on.
     sums: Vec<Vec<f64>>,

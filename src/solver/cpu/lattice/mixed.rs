@@ -4,18 +4,19 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kernel::{Combine, Run, Scratch};
-use super::{LatticeOperator, Now, RATE};
+use super::LatticeOperator;
+use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, WallRows, within};
+use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
 /// them, since a short part of a line costs as much as a long one.
 const GAP: usize = 128;
 
 /// A scene with rows where its stencil does not hold.
-pub(super) struct Mixed {
+pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
     /// Volume of a particle.
     volume: f64,
@@ -23,7 +24,11 @@ pub(super) struct Mixed {
 }
 
 impl Mixed {
-    pub(super) fn new(problem: &Problem, scene: Arc<MixedScene>, rows: SomeRows) -> Self {
+    pub(in crate::solver::cpu) fn new(
+        problem: &Problem,
+        scene: Arc<MixedScene>,
+        rows: SomeRows,
+    ) -> Self {
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
         Self { scene, volume, rows }
     }
@@ -51,15 +56,15 @@ impl Mixed {
         let factor = |part: usize| if part > 0 { ratios[part - 1].1 } else { 1.0 };
         if start(part) >= sites.end {
             let combine = Combine { scale: combine.scale * factor(part), ..combine };
-            scratch.work(&self.scene.lattice, now.state, run, combine, out);
+            scratch.work(&self.scene.lattice, now.values, run, combine, out);
             return;
         }
-        scratch.work(&self.scene.lattice, now.state, run, RATE, out);
+        scratch.work(&self.scene.lattice, now.values, run, RATE, out);
         let mut from = sites.start;
         while from < sites.end {
             let to = start(part).min(sites.end);
             let scale = combine.scale * factor(part);
-            let own = &now.state[from..to];
+            let own = &now.values[from..to];
             for (out, own) in out[from - sites.start..to - sites.start].iter_mut().zip(own) {
                 *out = combine.share * own + scale * *out;
             }
@@ -75,19 +80,26 @@ impl Mixed {
             out[from - sites.start..to - sites.start].fill(0.0);
         }
         let walls = self.rows.walls().rank();
-        for row in within(walls, sites) {
-            out[walls[row] as usize - sites.start] += combine.scale * now.source[row];
+        let source = now.source.unwrap_or(&[]);
+        if !source.is_empty() {
+            for row in within(walls, sites) {
+                out[walls[row] as usize - sites.start] += combine.scale * source[row];
+            }
         }
-        self.rows.rates(sites, now.state, now.source, |site, rate| {
-            out[site - sites.start] = combine.share * now.state[site] + combine.scale * rate;
+        self.rows.rates(sites, now.values, source, |site, rate| {
+            out[site - sites.start] = combine.share * now.values[site] + combine.scale * rate;
         });
-        -self.volume * self.rows.held_rate(sites, now.state)
+        -self.volume * self.rows.held_rate(sites, now.values)
     }
 }
 
 impl LatticeOperator for Mixed {
-    fn lattice(&self) -> &LatticeScene {
+    fn scene(&self) -> &LatticeScene {
         &self.scene.lattice
+    }
+
+    fn held(&self) -> &[u32] {
+        self.rows.held_rank()
     }
 
     fn walls(&self) -> &WallRows {
@@ -120,6 +132,23 @@ impl LatticeOperator for Mixed {
             site += run.length;
         }
         self.rest(now, &(first..end), out, combine)
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = vec![-1.0; self.scene.lattice.counts.iter().product()];
+        let of_place = self.scene.lattice.diagonals();
+        let mut absent = self.scene.absent.iter().flat_map(Range::clone).peekable();
+        let mut part = 0;
+        for (site, diagonal) in diagonal.iter_mut().enumerate() {
+            let next = self.scene.ratios.get(part);
+            part += usize::from(next.is_some_and(|&(first, _)| first as usize == site));
+            if absent.next_if_eq(&(site as u32)).is_none() {
+                *diagonal =
+                    if part > 0 { self.scene.ratios[part - 1].1 } else { 1.0 } * of_place(site);
+            }
+        }
+        self.rows.diagonals(|site, d| diagonal[site] = d);
+        diagonal
     }
 
     fn memory_bytes(&self) -> usize {

@@ -3,27 +3,35 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::kernel::{Combine, Run, Scratch};
-use super::{LatticeOperator, Now, RATE};
+use rayon::prelude::*;
+
+use super::LatticeOperator;
+use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::{WallRows, within};
+use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// A scene that fills its lattice.
-pub(super) struct Uniform {
+pub(in crate::solver::cpu) struct Uniform {
     scene: Arc<LatticeScene>,
     /// Volume of a particle.
     volume: f64,
     /// Sites of the held particles, ascending.
     held: Vec<u32>,
-    /// What each of them would gain a second without the others, which does not change.
+    /// What each of them would gain a second without the others, which does not change; a change of the
+    /// state has none.
     among_held: Vec<f64>,
     /// The rows that walls act on, by site.
     walls: WallRows,
 }
 
 impl Uniform {
-    pub(super) fn new(problem: &Problem, scene: Arc<LatticeScene>, walls: WallRows) -> Self {
+    pub(in crate::solver::cpu) fn new(
+        problem: &Problem,
+        scene: Arc<LatticeScene>,
+        walls: WallRows,
+    ) -> Self {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.initial);
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
@@ -42,19 +50,26 @@ impl Uniform {
         for k in within(&self.held, &sites) {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
-            given -= self.volume * (*rate - self.among_held[k]);
+            let among_held = if now.source.is_some() { self.among_held[k] } else { 0.0 };
+            given -= self.volume * (*rate - among_held);
             *rate = 0.0;
         }
-        for row in within(self.walls.rank(), &sites) {
-            rate[self.walls.rank()[row] as usize - sites.start] += now.source[row];
+        if let Some(source) = now.source {
+            for row in within(self.walls.rank(), &sites) {
+                rate[self.walls.rank()[row] as usize - sites.start] += source[row];
+            }
         }
         given
     }
 }
 
 impl LatticeOperator for Uniform {
-    fn lattice(&self) -> &LatticeScene {
+    fn scene(&self) -> &LatticeScene {
         &self.scene
+    }
+
+    fn held(&self) -> &[u32] {
+        &self.held
     }
 
     fn walls(&self) -> &WallRows {
@@ -76,16 +91,24 @@ impl LatticeOperator for Uniform {
             let sites = run.first..run.first + run.length;
             done += run.length;
             if !self.is_exceptional(&sites) {
-                scratch.work(&self.scene, now.state, &run, combine, out);
+                scratch.work(&self.scene, now.values, &run, combine, out);
                 continue;
             }
-            scratch.work(&self.scene, now.state, &run, RATE, out);
+            scratch.work(&self.scene, now.values, &run, RATE, out);
             given += self.exceptions(now, sites.clone(), out);
-            for (out, own) in out.iter_mut().zip(&now.state[sites]) {
+            for (out, own) in out.iter_mut().zip(&now.values[sites]) {
                 *out = combine.share * own + combine.scale * *out;
             }
         }
         given
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = vec![0.0; self.scene.counts.iter().product()];
+        let of_place = self.scene.diagonals();
+        diagonal.par_iter_mut().enumerate().for_each(|(site, d)| *d = of_place(site));
+        self.held.iter().for_each(|&site| diagonal[site as usize] = -1.0);
+        diagonal
     }
 
     fn memory_bytes(&self) -> usize {

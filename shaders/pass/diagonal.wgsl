@@ -1,0 +1,20 @@
+// The factor of each row's own value in its rate, a reference step.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn diagonal(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let row = chunk.first_row + flat_index(group, groups, lane);
+    if row >= chunk.end_row {
+        return;
+    }
+    let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
+    let end = first + list_length(row) * SLICE_ROWS;
+    var sum = wall_diagonal(row);
+    for (var i = first; i < end; i += SLICE_ROWS) {
+        sum -= weight[i];
+    }
+    after[row] = exactly(sum);
+}

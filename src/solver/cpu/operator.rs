@@ -1,0 +1,75 @@
+//! What the CPU backend needs of an operator.
+
+use crate::model::operator::WallRows;
+
+/// What is written at each place: `share` x value + `scale` x rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Combine {
+    pub(super) share: f64,
+    pub(super) scale: f64,
+}
+
+/// The rate alone.
+pub(super) const RATE: Combine = Combine { share: 0.0, scale: 1.0 };
+
+impl Combine {
+    /// An explicit Euler step of `dt` (s).
+    pub(super) fn step(dt: f64) -> Self {
+        Self { share: 1.0, scale: dt }
+    }
+}
+
+/// What rates are of.
+#[derive(Clone, Copy)]
+pub(super) struct Now<'a> {
+    pub(super) values: &'a [f64],
+    /// Source of the rows of walls, 1/s x value; none of a change.
+    pub(super) source: Option<&'a [f64]>,
+}
+
+impl<'a> Now<'a> {
+    /// A state.
+    pub(super) fn state(values: &'a [f64], source: &'a [f64]) -> Self {
+        Self { values, source: Some(source) }
+    }
+
+    /// A change of a state, which is 0 for held particles: walls impose nothing on it.
+    pub(super) fn change(values: &'a [f64]) -> Self {
+        Self { values, source: None }
+    }
+}
+
+/// An operator in memory, with values in an order of its own.
+pub(super) trait CpuOperator: Send + Sync {
+    /// From the problem's order; 0 where there is no particle.
+    fn by_place(&self, values: &[f64]) -> Vec<f64>;
+
+    /// To the problem's order.
+    fn by_particle(&self, values: &[f64]) -> Vec<f64>;
+
+    /// Places of the held particles.
+    fn held(&self) -> &[u32];
+
+    /// The rows that walls act on.
+    fn walls(&self) -> &WallRows;
+
+    /// Writes what `combine` makes of values and rates, where held particles have the rate 0; returns
+    /// what these gave, value x volume / s.
+    fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
+
+    /// A_aa, 1/s; -1 for held particles and where there is none.
+    fn diagonal(&self) -> Vec<f64>;
+
+    /// Bytes that it holds.
+    fn memory_bytes(&self) -> u64;
+}
+
+/// As [`CpuOperator::apply`]; returns what walls gave as well.
+pub(super) fn apply(
+    operator: &dyn CpuOperator,
+    now: &Now<'_>,
+    out: &mut [f64],
+    combine: Combine,
+) -> f64 {
+    operator.apply(now, out, combine) + operator.walls().inflow(now.values, now.source)
+}

@@ -1,0 +1,66 @@
+//! Assembled rows as an operator.
+
+use super::operator::{Combine, CpuOperator, Now};
+use crate::model::Problem;
+use crate::model::operator::WallRows;
+use crate::model::operator::rows::Rows;
+
+/// The rows of all particles; places are ranks in cell order.
+pub(super) struct StoredRows {
+    /// Particle index at each rank.
+    order: Vec<u32>,
+    rows: Rows,
+    /// Volumes of the held particles, by rank.
+    held_volume: Vec<f64>,
+}
+
+impl StoredRows {
+    pub(super) fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
+        let volume = |&rank: &u32| problem.particles.volume[order[rank as usize] as usize];
+        Self { held_volume: rows.held_rank().iter().map(volume).collect(), order, rows }
+    }
+}
+
+impl CpuOperator for StoredRows {
+    fn by_place(&self, values: &[f64]) -> Vec<f64> {
+        self.order.iter().map(|&particle| values[particle as usize]).collect()
+    }
+
+    fn by_particle(&self, values: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.order.len()];
+        for (&particle, value) in self.order.iter().zip(values) {
+            out[particle as usize] = *value;
+        }
+        out
+    }
+
+    fn held(&self) -> &[u32] {
+        self.rows.held_rank()
+    }
+
+    fn walls(&self) -> &WallRows {
+        self.rows.walls()
+    }
+
+    fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {
+        let Combine { share, scale } = combine;
+        let source = now.source.unwrap_or(&[]);
+        self.rows.apply(now.values, source, out, |own, rate| share * own + scale * rate);
+        // What holding the values takes: the negative of what the held rows would gain.
+        let gains = self.rows.held_rates(now.values).zip(&self.held_volume);
+        -gains.map(|(rate, volume)| volume * rate).sum::<f64>()
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = self.rows.diagonal();
+        for &rank in self.rows.held_rank() {
+            diagonal[rank as usize] = -1.0;
+        }
+        diagonal
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        let own = size_of_val(&*self.order) + size_of_val(&*self.held_volume);
+        self.rows.memory_bytes() + own as u64
+    }
+}

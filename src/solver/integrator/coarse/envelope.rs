@@ -1,0 +1,96 @@
+//! Small symmetric matrices that are solved with directly.
+
+/// The lower triangle of a symmetric matrix, each row from its first entry that is not 0 on.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Envelope {
+    /// The first column of each row.
+    first: Vec<usize>,
+    /// Where each row starts in `entries`.
+    start: Vec<usize>,
+    entries: Vec<f64>,
+}
+
+impl Envelope {
+    /// The matrix with `rows`, each its columns up to the diagonal with their entries, ascending.
+    pub(super) fn new(rows: &[Vec<(usize, f64)>]) -> Self {
+        let mut matrix = Self::default();
+        for (row, entries) in rows.iter().enumerate() {
+            let first = entries.first().map_or(row, |&(column, _)| column.min(row));
+            let start = matrix.entries.len();
+            matrix.first.push(first);
+            matrix.start.push(start);
+            matrix.entries.resize(start + row - first + 1, 0.0);
+            for &(column, entry) in entries {
+                matrix.entries[start + column - first] += entry;
+            }
+        }
+        matrix
+    }
+
+    /// Row `row` from column `from` on, up to the diagonal.
+    fn row(&self, row: usize, from: usize) -> &[f64] {
+        let start = self.start[row];
+        &self.entries[start + from - self.first[row]..=start + row - self.first[row]]
+    }
+
+    /// L with L L^T = `scale` x this + diag(`diagonal`), which is positive definite (Cholesky's method on the
+    /// envelope: George and Liu 1981, chapter 4). Rounding may leave a pivot of a singular matrix without a
+    /// sign: none is below `least` of its diagonal.
+    pub(super) fn factor(&self, scale: f64, diagonal: impl Fn(usize) -> f64, least: f64) -> Self {
+        let mut l = self.clone();
+        for i in 0..l.first.len() {
+            let (first, start) = (l.first[i], l.start[i]);
+            let own = scale * self.entries[start + i - first] + diagonal(i);
+            for j in first..i {
+                let from = first.max(l.first[j]);
+                let (of_i, of_j) = (l.row(i, from), l.row(j, from));
+                let products = of_i.iter().zip(&of_j[..of_j.len() - 1]).map(|(a, b)| a * b);
+                let known = scale * self.entries[start + j - first] - products.sum::<f64>();
+                l.entries[start + j - first] = known / of_j[of_j.len() - 1];
+            }
+            let squares: f64 = l.entries[start..start + i - first].iter().map(|x| x * x).sum();
+            l.entries[start + i - first] = (own - squares).max(least * own).sqrt();
+        }
+        l
+    }
+
+    /// Solves L L^T x = b for this L, in place.
+    pub(super) fn solve(&self, b: &mut [f64]) {
+        for i in 0..self.first.len() {
+            let (first, row) = (self.first[i], self.row(i, self.first[i]));
+            let known: f64 = row.iter().zip(&b[first..i]).map(|(l, b)| l * b).sum();
+            b[i] = (b[i] - known) / row[i - first];
+        }
+        for i in (0..self.first.len()).rev() {
+            let (first, row) = (self.first[i], self.row(i, self.first[i]));
+            b[i] /= row[i - first];
+            let own = b[i];
+            row.iter().zip(&mut b[first..i]).for_each(|(l, b)| *b -= l * own);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_system_with_a_gap_and_a_far_entry_is_solved() {
+        // The second difference of five points, and one that couples the first and the last.
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![vec![(0, 2.0)]];
+        rows.extend((1..5).map(|i| vec![(i - 1, -1.0), (i, 2.0)]));
+        rows[4].insert(0, (0, -0.5));
+        let matrix = Envelope::new(&rows);
+        let factor = matrix.factor(3.0, |_| 1.0, 0.0);
+        let exact = [1.0, -2.0, 0.5, 4.0, 3.0];
+        let entry = |i: usize, j: usize| {
+            let (i, j) = (i.max(j), i.min(j));
+            let of_row: f64 = rows[i].iter().filter(|e| e.0 == j).map(|e| e.1).sum();
+            3.0 * of_row + if i == j { 1.0 } else { 0.0 }
+        };
+        let mut b: Vec<f64> =
+            (0..5).map(|i| (0..5).map(|j| entry(i, j) * exact[j]).sum()).collect();
+        factor.solve(&mut b);
+        assert!(b.iter().zip(&exact).all(|(x, e)| (x - e).abs() < 1e-12), "{b:?}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Which method a run takes where the case leaves it open.
+
+use super::plan::Path;
+use crate::model::integrator::{Method, MethodChoice, Tolerance, rkl2_stages};
+use crate::model::{Problem, StepChoice};
+
+/// What an iteration of conjugate gradients costs beside an operator application: on a lattice, where
+/// that is cheap, more.
+const ITERATION_ON_LATTICE: f64 = 3.0;
+const ITERATION_ON_ROWS: f64 = 1.5;
+
+/// What a stage of RKL2 costs in the same way.
+const STAGE_ON_LATTICE: f64 = 1.8;
+const STAGE_ON_ROWS: f64 = 1.2;
+
+/// Iterations of a solve with the coarse space at most, about.
+const MOST_ITERATIONS: f64 = 30.0;
+
+/// Steps of `tr_bdf2` over those of explicit methods from rough data, which it damps at once.
+const FEWER: f64 = 0.4;
+
+/// The method of a run, and why where the case leaves it open.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ChosenMethod {
+    /// The method.
+    pub(super) method: Method,
+    /// Why, in words.
+    pub(super) why: Option<String>,
+}
+
+impl ChosenMethod {
+    /// The method of `problem`, whose eigenvalues are no larger than about `largest` (1/s) and whose
+    /// matrix is `symmetric` or not; the path sets what vectors cost beside an application.
+    pub(super) fn of(problem: &Problem, path: Path, largest: f64, symmetric: bool) -> Self {
+        if let MethodChoice::Given(method) = problem.time.method {
+            return Self { method, why: None };
+        }
+        let tolerance = match problem.time.step {
+            StepChoice::Tolerance(tolerance) => tolerance,
+            StepChoice::Automatic | StepChoice::Given(_) => Tolerance::DEFAULT,
+        };
+        let scale = problem.initial.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
+        let part = if scale > 0.0 { tolerance.of(scale) / scale } else { tolerance.relative };
+        let reach = largest * problem.time.end;
+        let steps = match problem.time.step {
+            StepChoice::Given(step) => (problem.time.end / step).ceil(),
+            _ => steps_for(part),
+        };
+        let costs = costs(path, reach, steps, part);
+        let possible = costs.iter().filter(|(method, _)| symmetric || !method.is_implicit());
+        let cheapest = possible.min_by(|a, b| a.1.total_cmp(&b.1));
+        let (method, _) = *cheapest.unwrap_or(&costs[0]);
+        let others: Vec<String> =
+            costs.iter().map(|(method, cost)| format!("{} {cost:.1e}", method.name())).collect();
+        let skew = if symmetric { "" } else { "; the matrix is not symmetric" };
+        let why = format!(
+            "stiffness lambda_max T = {reach:.1e}, estimated costs in applications: {}{skew}",
+            others.join(", ")
+        );
+        Self { method, why: Some(why) }
+    }
+}
+
+/// Steps of a method of second order for an error that is `part` of the field, from rough data.
+fn steps_for(part: f64) -> f64 {
+    (0.5 / part.sqrt()).clamp(16.0, 1e6)
+}
+
+/// What each method costs, in operator applications.
+fn costs(path: Path, reach: f64, steps: f64, part: f64) -> [(Method, f64); 3] {
+    let is_lattice = path != Path::List;
+    let [iteration, stage] = match is_lattice {
+        true => [ITERATION_ON_LATTICE, STAGE_ON_LATTICE],
+        false => [ITERATION_ON_ROWS, STAGE_ON_ROWS],
+    };
+    // The error of conjugate gradients falls as exp(-2 k / sqrt(condition)) with the diagonal alone; the coarse
+    // space bounds what is left to do.
+    let implicit = (FEWER * steps).ceil();
+    let condition = 1.0 + 0.3 * reach / implicit;
+    let iterations = (0.5 * condition.sqrt() * (1.0 / (0.03 * part)).ln()).min(MOST_ITERATIONS);
+    [
+        (Method::Heun, 2.0 * stage * (0.5 * reach).max(steps)),
+        (Method::Rkl2, stage * steps * rkl2_stages(reach / steps) as f64),
+        (Method::TrBdf2, implicit * (1.0 + 2.0 * iteration * iterations)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cheapest(reach: f64) -> Method {
+        let costs = costs(Path::List, reach, steps_for(1e-4), 1e-4);
+        costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are methods").0
+    }
+
+    #[test]
+    fn the_stiffer_the_scene_the_more_implicit_the_method() {
+        assert_eq!(cheapest(10.0), Method::Heun);
+        assert_eq!(cheapest(1e4), Method::Rkl2);
+        assert_eq!(cheapest(5e8), Method::TrBdf2);
+    }
+}
