@@ -244,6 +244,39 @@ fn nothing_is_lost_whatever_the_method() {
     insulated["boundaries"] = json!([]);
     insulated["initial"] = json!([{ "value": "1 + sin(7*x)" }]);
     let held = layers();
+    // Boxes of the coarse space round periodic axes, four to eight of them, of two materials.
+    let round = |counts: [u32; 2]| {
+        let [x, y] = counts.map(|n| f64::from(n) * 0.05);
+        let layer = |from: f64, to: f64, name: &str| {
+            json!({
+                "shape": { "box": { "min": [0, from], "max": [x, to] } }, "material": name
+            })
+        };
+        json!({
+            "title": "round",
+            "dimension": 2,
+            "particles": {
+                "spacing": 0.05, "fill": [layer(0.0, 0.4, "fast"), layer(0.4, y, "slow")]
+            },
+            "kernel": { "name": "cubic_spline", "support_ratio": 2 },
+            "materials": { "fast": { "diffusivity": 1 }, "slow": { "diffusivity": 1e-4 } },
+            "initial": [{ "value": "1 + sin(7*x)*y" }],
+            "boundaries": [{ "periodic": { "axes": ["x", "y"] } }],
+            "time": { "end": 1 }
+        })
+    };
+    for counts in [[16, 20], [28, 32]] {
+        for method in ["tr_bdf2", "steady"] {
+            let mut time = json!({ "end": 50, "method": method });
+            if method == "tr_bdf2" {
+                time["step"] = json!(10);
+            }
+            let found = run(&with(&round(counts), time)).report;
+            let drift = found.conserved.relative_drift.abs();
+            assert!(drift < 1e-12, "{counts:?} {method}: {drift:e}");
+            assert!(method != "steady" || found.field.max - found.field.min < 1e-6);
+        }
+    }
     let walls = walled(40, "2 + sin(t)", "1", "x");
     for method in ["heun", "rkl2", "tr_bdf2"] {
         for case in [&insulated, &held, &walls] {
@@ -292,11 +325,17 @@ fn what_cannot_be_done_is_an_error() {
         case
     };
     fails(&flux(1.0, -0.5), steady.clone(), "there is no steady state: ");
+    // Convection that reaches past the first particles.
+    let mut skew = line.clone();
+    skew["kernel"]["support_ratio"] = json!(3);
+    skew["boundaries"][0]["wall"]["kind"] =
+        json!({ "convection": { "coefficient": 1, "ambient": 0 } });
+    fails(&skew, json!({ "end": 1, "method": "tr_bdf2" }), "unsymmetric");
     // Two bodies, of which one gains what the other loses.
     let mut apart = flux(1.0, -1.0);
     let body = |from: f64, to: f64| json!({ "shape": { "box": { "min": [from], "max": [to] } }, "material": "unit" });
     apart["particles"]["fill"] = json!([body(0.0, 0.4), body(0.6, 1.0)]);
-    fails(&apart, steady.clone(), "did not converge");
+    fails(&apart, steady.clone(), "there is no steady state: ");
     // Flows that cancel: a slope of -1 about the mean that was there.
     let found = run(&with(&flux(1.0, -1.0), steady));
     let exact: Vec<f64> = (0..20).map(|i| 1.0 - (f64::from(i) + 0.5) / 20.0).collect();
@@ -367,6 +406,46 @@ fn a_step_ends_where_something_jumps() {
     let constant = walled(20, "1", "0", "0");
     let exact = run(&with(&constant, json!({ "end": 0.2, "method": "rkl2", "step": 1e-4 }))).state;
     assert!(distance(&found.state, &exact) < 1e-3, "{:e}", distance(&found.state, &exact));
+    let off = |breaks: Value| {
+        let time = json!({ "end": 0.3, "method": "heun", "step": 0.001, "breaks": breaks });
+        distance(&run(&with(&case, time)).state, &exact)
+    };
+    let [with_break, without] = [off(json!([0.1])), off(json!([]))];
+    assert!(without > 5.0 * with_break, "{with_break:e} {without:e}");
+}
+
+#[test]
+fn a_field_of_zeros_is_set_in_motion() {
+    // A wall that starts with neither value nor slope.
+    let case = walled(20, "t^2", "0", "0");
+    let exact = run(&with(&case, json!({ "end": 0.3, "method": "heun", "step": 1e-5 }))).state;
+    for method in ["rkl2", "tr_bdf2"] {
+        let time = json!({ "end": 0.3, "method": method, "tolerance": { "relative": 1e-4 } });
+        let off = distance(&run(&with(&case, time)).state, &exact);
+        assert!(off < 3e-4 * 0.09, "{method}: {off:e}");
+    }
+    let tight = json!({ "end": 0.3, "method": "rkl2", "tolerance": { "relative": 1e-14 } });
+    assert!(try_run(&with(&case, tight)).is_err_and(|message| message.contains("can give")));
+}
+
+#[test]
+fn bodies_where_nothing_holds_a_value_keep_what_they_have() {
+    // A line between walls, a body apart from it, and a particle alone.
+    let mut case = walled(40, "2", "1", "x^2");
+    let body = |from: f64, to: f64| json!({ "shape": { "box": { "min": [from], "max": [to] } }, "material": "unit" });
+    case["particles"]["fill"] =
+        json!([body(0.0, 0.25), body(0.35, 0.6), body(0.7, 0.725), body(0.8, 1.0)]);
+    for preconditioner in ["jacobi", "two_level"] {
+        let time = json!({ "end": 1, "method": "steady", "preconditioner": preconditioner });
+        let scene = with(&case, time);
+        let state = run(&scene).state;
+        let mean = |values: &[f64]| values[10..20].iter().sum::<f64>() / 10.0;
+        let apart = mean(&scene.problem.initial);
+        assert!(distance(&state[..10], &[2.0; 10]) < 1e-7, "{preconditioner}: {state:?}");
+        assert!(distance(&state[10..20], &[apart; 10]) < 1e-7, "{preconditioner}: {state:?}");
+        assert!((state[20] - scene.problem.initial[20]).abs() < 1e-12);
+        assert!(distance(&state[21..], &[1.0; 8]) < 1e-7, "{preconditioner}: {state:?}");
+    }
 }
 
 #[test]

@@ -164,6 +164,12 @@ pub(super) fn check_inside(
 /// Writes down what the file leaves to defaults, so that a later change of a default does not
 /// change what the resolved case means.
 pub(super) fn fill_in_defaults(case: &mut Case) {
+    let time = &mut case.time;
+    let follows = ["heun", "rkl2", "tr_bdf2", MethodChoice::AUTO].contains(&time.method.as_str());
+    if follows && time.step.is_none() && time.tolerance.is_none() && !is_zero(&time.end) {
+        let relative = Some(Tolerance::DEFAULT.relative.into());
+        time.tolerance = Some(ToleranceSpec { absolute: None, relative });
+    }
     let output = &mut case.output;
     if output.every.is_none() && !is_zero(&case.time.end) {
         output.every = Some(case.time.end.clone());

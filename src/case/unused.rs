@@ -41,7 +41,7 @@ pub(super) fn remove(
     };
     let mut warnings = Vec::new();
     for unused in found {
-        if before.contains(&unused) || overrides.iter().any(|entry| entry.path == unused.path) {
+        if before.contains(&unused) || sets(&unused.path) {
             return Err(unused.error());
         }
         warnings.push(unused.error().to_string());
@@ -83,6 +83,9 @@ fn take_out(case: &mut Case, keeps_step: bool) -> Vec<Unused> {
         let nothing_integrated = "time.end is 0, so that nothing is integrated";
         if case.time.step.take().is_some() {
             drop("time.step".to_owned(), nothing_integrated);
+        }
+        if case.time.tolerance.take().is_some() {
+            drop("time.tolerance".to_owned(), nothing_integrated);
         }
         if case.output.every.take().is_some() {
             drop("output.every".to_owned(), nothing_integrated);

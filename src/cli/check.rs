@@ -48,6 +48,7 @@ fn describe(
     let limits = &step.limits;
     let particles = problem.particles.len() as u64;
     let [dt, steps] = steps(problem, step);
+    let of_vectors = step.vectors() * particles * plan.machine.precision().state_bytes();
     let held = problem.held.len() as u64;
     let neighbors = survey.entries as f64 / particles.max(1) as f64;
     let mut lines = vec![
@@ -72,7 +73,7 @@ fn describe(
             ),
         ),
         ("path", plan.path_in_words(problem)),
-        ("memory", bytes(plan.memory_bytes(problem, survey.entries))),
+        ("memory", bytes(plan.memory_bytes(problem, survey.entries) + of_vectors)),
         ("duration", simulated_time(problem.time.end)),
         ("method", method(step)),
         ("step", dt),

@@ -18,7 +18,7 @@ pub(super) struct Adaptive<'a, B: Backend> {
     pub(super) first: f64,
     /// Time reached, s.
     pub(super) time: f64,
-    pub(super) taken: Taken,
+    pub(super) taken: &'a mut Taken,
 }
 
 impl<B: Backend> Adaptive<'_, B> {
@@ -44,8 +44,8 @@ impl<B: Backend> Adaptive<'_, B> {
             self.time = if dt == remaining { end } else { self.time + dt };
             self.taken.steps += 1;
             self.taken.largest = self.taken.largest.max(dt);
-            if dt < remaining {
-                self.taken.smallest = self.taken.smallest.min(dt);
+            if dt < remaining || self.taken.steps == 1 {
+                self.taken.note(dt);
             }
             let left = (self.problem.time.end - self.time) / self.controller.step(f64::MAX);
             let steps = self.taken.steps + left.ceil() as u64;
@@ -65,20 +65,21 @@ impl<B: Backend> Adaptive<'_, B> {
 
     /// Takes a step of `dt` (s), if its error allows it.
     fn try_step(&mut self, backend: &mut B, dt: f64) -> Result<bool, SolverError> {
-        let scale = backend.largest_value()?;
-        if scale > 0.0 {
-            self.integrator.aim(self.controller.limit(scale));
+        let limit = self.controller.limit(backend.largest_value()?);
+        if limit == 0.0 {
+            // Nothing has a size yet that an error could be compared with.
+            self.integrator.propose(backend, self.time, dt)?;
+            self.integrator.accept(backend)?;
+            return Ok(true);
         }
-        self.integrator.propose(backend, self.time, dt)?;
-        let scale = match scale {
-            0.0 => backend.largest(self.integrator.change())?,
-            scale => scale,
+        self.integrator.aim(limit);
+        let proposed = self.integrator.propose(backend, self.time, dt);
+        let error = match proposed.and_then(|()| self.integrator.error(backend, limit)) {
+            // A shorter step is easier to solve for.
+            Err(SolverError::NotConverged { .. }) => f64::NAN,
+            other => other?,
         };
-        let limit = self.controller.limit(scale);
-        let error = self.integrator.error(backend, limit)?;
-        // Where nothing changes, nothing is wrong.
-        let part = if error == 0.0 { 0.0 } else { error / limit };
-        let is_good = self.controller.judge(dt, part);
+        let is_good = self.controller.judge(dt, error / limit);
         if is_good {
             self.integrator.accept(backend)?;
         }

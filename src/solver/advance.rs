@@ -66,65 +66,67 @@ pub struct Taken {
     pub steps: u64,
     /// Steps that a tolerance refused.
     pub refused: u64,
-    /// The smallest step, s, but for those that end at an output.
+    /// The smallest step, s, but for those that a tolerance would have had longer and an output cut short.
     pub smallest: f64,
     /// The largest step, s.
     pub largest: f64,
 }
 
 impl Taken {
-    /// Equal steps of `dt` (s).
-    pub fn equal(steps: u64, dt: f64) -> Self {
-        Self { steps, refused: 0, smallest: dt, largest: dt }
+    /// No steps.
+    pub const NONE: Self = Self { steps: 0, refused: 0, smallest: f64::INFINITY, largest: 0.0 };
+
+    /// Takes note of the length of a step, s.
+    pub(super) fn note(&mut self, dt: f64) {
+        self.smallest = self.smallest.min(dt);
+        self.largest = self.largest.max(dt);
     }
 }
 
 /// Runs `problem` from its start to its end on `backend` with the steps of `stepper`, whose equal steps are
 /// at most `dt` (s). A value that is not finite stops the run with the step, time and particle where it
-/// came up; the last state known to be finite goes to the observer first.
+/// came up; the last state known to be finite goes to the observer first. `taken` follows what is done.
 pub fn advance<B: Backend, O: Observer>(
     backend: &mut B,
     problem: &Problem,
     stepper: &mut Stepper<B>,
     dt: f64,
     observer: &mut O,
-) -> Result<Taken, O::Error> {
-    let none = Taken { steps: 0, refused: 0, smallest: f64::INFINITY, largest: 0.0 };
+    taken: &mut Taken,
+) -> Result<(), O::Error> {
+    let mut last = Ok(());
     match &mut stepper.kind {
         Kind::Equal(steps) => {
             let schedule = Schedule::new(&problem.time, dt);
             let total = schedule.total_steps();
             let mut run = Run { steps: total, step: 0, chunk: FIRST_CHUNK, still: None, problem };
-            let mut taken = Taken { steps: total, ..none };
             for segment in schedule {
-                run.segment(backend, &mut **steps, observer, &segment)?;
-                taken.smallest = taken.smallest.min(segment.dt);
-                taken.largest = taken.largest.max(segment.dt);
+                taken.note(segment.dt);
+                last = run.segment(backend, &mut **steps, observer, &segment);
+                taken.steps = run.step;
+                if last.is_err() {
+                    break;
+                }
                 record(backend, observer, &segment)?;
             }
-            Ok(taken)
         }
         Kind::Adaptive(integrator, controller) => {
             let schedule = Schedule::new(&problem.time, f64::INFINITY);
             let integrator = &mut **integrator;
-            let mut run =
-                Adaptive { problem, integrator, controller, first: dt, time: 0.0, taken: none };
+            let mut run = Adaptive { problem, integrator, controller, first: dt, time: 0.0, taken };
             for segment in schedule {
                 run.segment(backend, observer, &segment)?;
                 record(backend, observer, &segment)?;
             }
-            // A run of one step has no other.
-            Ok(Taken { smallest: run.taken.smallest.min(run.taken.largest), ..run.taken })
         }
-        Kind::Steady { reduction, applications } => {
-            let preconditioner = problem.time.preconditioner;
-            *applications = solve_steady(backend, problem, *reduction, preconditioner)?;
+        Kind::Steady { reduction, rounding, applications } => {
+            *applications = solve_steady(backend, problem, *reduction, *rounding)?;
             for segment in Schedule::new(&problem.time, f64::INFINITY) {
                 record(backend, observer, &segment)?;
             }
-            Ok(Taken::equal(0, 0.0))
         }
     }
+    last
 }
 
 /// Hands the state at the end of a segment to the observer, if that is wanted.

@@ -143,8 +143,8 @@ pub enum SolverError {
     /// Conjugate gradients that do not get to their goal.
     #[error(
         "the linear system did not converge: {:.1e} after {} iterations, where {:.1e} is asked for; \
-         likely the tolerance is below what rounding leaves, parts of the body are insulated from all \
-         others, or the contrast is very large",
+         likely the tolerance is below what rounding leaves, the contrast is very large, or what walls \
+         impose is not finite",
         failed.reached, failed.iterations, failed.goal
     )]
     NotConverged {
@@ -181,7 +181,8 @@ pub enum SolverError {
     /// Steps that become too small to reach the end.
     #[error(
         "at step {step} (t = {time:.6e} s) the tolerance asks for steps below {dt:.1e} s: raise \
-         time.tolerance; where what is imposed jumps, name the times in time.breaks"
+         time.tolerance; where what is imposed jumps, name the times in time.breaks; what is not finite \
+         is never accepted"
     )]
     StepTooSmall {
         /// Steps taken.

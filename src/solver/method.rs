@@ -41,15 +41,24 @@ impl ChosenMethod {
         };
         let scale = problem.initial.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
         let part = if scale > 0.0 { tolerance.of(scale) / scale } else { tolerance.relative };
+        // An absolute tolerance says nothing of a field without a size.
+        let part = if part > 0.0 { part } else { Tolerance::DEFAULT.relative };
         let reach = largest * problem.time.end;
-        let steps = match problem.time.step {
-            StepChoice::Given(step) => (problem.time.end / step).ceil(),
-            _ => steps_for(part),
+        let [steps, implicit] = match problem.time.step {
+            StepChoice::Given(step) => [(problem.time.end / step).ceil(); 2],
+            _ => [steps_for(part), (FEWER * steps_for(part)).ceil()],
         };
-        let costs = costs(path, reach, steps, part);
-        let possible = costs.iter().filter(|(method, _)| symmetric || !method.is_implicit());
+        let costs = costs(path, reach, [steps, implicit], part);
+        let is_stable = match problem.time.step {
+            StepChoice::Given(step) => step * largest <= 2.0,
+            _ => true,
+        };
+        let is_possible = |method: Method| {
+            (symmetric || !method.is_implicit()) && (is_stable || !method.is_limited())
+        };
+        let possible = costs.iter().filter(|(method, _)| is_possible(*method));
         let cheapest = possible.min_by(|a, b| a.1.total_cmp(&b.1));
-        let (method, _) = *cheapest.unwrap_or(&costs[0]);
+        let (method, _) = *cheapest.unwrap_or(&costs[1]);
         let others: Vec<String> =
             costs.iter().map(|(method, cost)| format!("{} {cost:.1e}", method.name())).collect();
         let skew = if symmetric { "" } else { "; the matrix is not symmetric" };
@@ -67,7 +76,7 @@ fn steps_for(part: f64) -> f64 {
 }
 
 /// What each method costs, in operator applications.
-fn costs(path: Path, reach: f64, steps: f64, part: f64) -> [(Method, f64); 3] {
+fn costs(path: Path, reach: f64, [steps, implicit]: [f64; 2], part: f64) -> [(Method, f64); 3] {
     let is_lattice = path != Path::List;
     let [iteration, stage] = match is_lattice {
         true => [ITERATION_ON_LATTICE, STAGE_ON_LATTICE],
@@ -75,7 +84,6 @@ fn costs(path: Path, reach: f64, steps: f64, part: f64) -> [(Method, f64); 3] {
     };
     // The error of conjugate gradients falls as exp(-2 k / sqrt(condition)) with the diagonal alone; the coarse
     // space bounds what is left to do.
-    let implicit = (FEWER * steps).ceil();
     let condition = 1.0 + 0.3 * reach / implicit;
     let iterations = (0.5 * condition.sqrt() * (1.0 / (0.03 * part)).ln()).min(MOST_ITERATIONS);
     [
@@ -90,7 +98,8 @@ mod tests {
     use super::*;
 
     fn cheapest(reach: f64) -> Method {
-        let costs = costs(Path::List, reach, steps_for(1e-4), 1e-4);
+        let steps = steps_for(1e-4);
+        let costs = costs(Path::List, reach, [steps, FEWER * steps], 1e-4);
         costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are methods").0
     }
 

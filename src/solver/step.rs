@@ -4,6 +4,7 @@ use super::SolverError;
 use super::method::ChosenMethod;
 use super::plan::Path;
 use crate::model::integrator::{Method, Schedule, Tolerance};
+use crate::model::operator::WallNeeds;
 use crate::model::operator::rows::{Rows, Survey};
 use crate::model::stability::{LargestEigenvalue, ReportBounds, largest_eigenvalue, safe_step};
 use crate::model::{Problem, StepChoice};
@@ -49,6 +50,16 @@ impl Step {
         segments.map(|segment| segment.dt).reduce(f64::min).unwrap_or(self.dt)
     }
 
+    /// Vectors that the method holds beside the state, where walls do not change.
+    pub fn vectors(&self) -> u64 {
+        match self.method {
+            Method::Euler => 0,
+            Method::Heun | Method::Rkl2 => 4,
+            Method::TrBdf2 => 7,
+            Method::Steady => 6,
+        }
+    }
+
     /// What to say where a given step has to be lowered.
     fn lowered(&self, problem: &Problem) -> Option<String> {
         let taken = self.taken(problem);
@@ -76,7 +87,7 @@ impl StepLimits {
 /// the limit.
 ///
 /// # Errors
-/// [`SolverError::UnstableStep`]; [`SolverError::NotSymmetric`].
+/// [`SolverError::UnstableStep`]; [`SolverError::NotSymmetric`]; [`SolverError::NeverSteady`].
 pub fn choose_step(
     problem: &Problem,
     path: Path,
@@ -90,6 +101,9 @@ pub fn choose_step(
         ChosenMethod::of(problem, path, 2.0 * survey.rate_bound, survey.symmetric);
     if method.is_implicit() && !survey.symmetric {
         return Err(SolverError::NotSymmetric { method: method.name() });
+    }
+    if method == Method::Steady && WallNeeds::of(problem) == WallNeeds::Changing {
+        return Err(SolverError::NeverSteady);
     }
     let (dt, tolerance) = match problem.time.step {
         StepChoice::Given(step) => (step, None),

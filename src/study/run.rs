@@ -13,7 +13,7 @@ use crate::model::Problem;
 use crate::model::integrator::Method;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
-use crate::model::operator::{SomeRows, WallNeeds, WallRows};
+use crate::model::operator::{SomeRows, WallNeeds, WallRows, floating_bodies};
 use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
@@ -309,18 +309,21 @@ impl Driver for Solve<'_, '_> {
         let (problem, step) = (&scene.problem, &prepared.step);
         let precision = options.machine.kind().precision();
         let mut stepper = Stepper::new(&mut backend, problem, step, precision)?;
-        let mut taken = Taken::equal(0, step.taken(problem));
-        let stopped = match advance(&mut backend, problem, &mut stepper, step.dt, &mut recorder) {
-            Ok(all) => {
-                taken = all;
-                None
-            }
+        let mut taken = Taken::NONE;
+        let done = advance(&mut backend, problem, &mut stepper, step.dt, &mut recorder, &mut taken);
+        let stopped = match done {
+            Ok(()) => None,
             Err(RunError::Solver(error)) if error.leaves_a_state() => {
                 taken.steps = error.good_steps();
                 Some(error)
             }
             Err(error) => return Err(error),
         };
+        if taken.steps == 0 {
+            // What it would have been.
+            let dt = if step.method == Method::Steady { 0.0 } else { step.taken(problem) };
+            taken = Taken { smallest: dt, largest: dt, ..taken };
+        }
         let solving = clock.elapsed() + first_output - recorder.spent;
         let measured = Measured {
             ready,
@@ -394,10 +397,18 @@ fn report(
     let magnitude: Vec<f64> = problem.initial.iter().map(|value| value.abs()).collect();
     let solve = measured.solving.as_secs_f64();
     let [initial, last] = [&problem.initial, &*recorder.state].map(|state| total(state, volume));
-    // No time passes on the way to a steady state: what came in is what the change took.
-    let exchange = if step.method == Method::Steady { last - initial } else { measured.exchange };
+    // No time passes on the way to a steady state: what came in where something holds a value is what the
+    // change took. Bodies where nothing does keep what they have.
+    let exchange = match step.method {
+        Method::Steady if !is_floating(problem) => last - initial,
+        _ => measured.exchange,
+    };
     let mut warnings = setup.scene.warnings.clone();
     warnings.extend(step.warnings.iter().cloned());
+    if step.method == Method::Steady && exact.is_some() {
+        let end = simulated_time(problem.time.end);
+        warnings.push(format!("the exact solution is that at time.end, {end}"));
+    }
     RunReport {
         report_version: REPORT_VERSION,
         case: setup.scene.name.clone(),
@@ -443,6 +454,12 @@ fn report(
             .collect(),
         warnings,
     }
+}
+
+/// Whether no body of a scene has its value held anywhere.
+fn is_floating(problem: &Problem) -> bool {
+    let floating: usize = floating_bodies(problem).iter().map(Vec::len).sum();
+    floating == problem.particles.len()
 }
 
 /// The row along x through the first probe, or through the middle.

@@ -82,7 +82,9 @@ impl Iterator for Schedule {
         let last = end == self.end;
         let output = last || next_output <= end + same;
         let probe = last || next_probe <= end + same;
-        let is_break = next_break <= end + same;
+        let is_break = !last && next_break <= end + same;
+        // An output within rounding of it is at the same time.
+        let end = if is_break { next_break } else { end };
         self.outputs += u64::from(output);
         self.probes += u64::from(probe);
         let (start, last_time) = (self.time, if is_break { end * (1.0 - BESIDE) } else { end });

@@ -4,6 +4,7 @@
 //! Brookshaw sum of the report's (107) and (109). The moment is 1 for the plain operator and the
 //! lattice's Deff / D for the moment-corrected one.
 
+mod bodies;
 pub mod fold;
 mod pair_mean;
 mod row_block;
@@ -13,6 +14,7 @@ mod survey;
 mod wall_rows;
 mod weight;
 
+pub use bodies::floating_bodies;
 pub use pair_mean::PairMean;
 pub use some_rows::{SomeRows, Visit, within};
 pub use wall_rows::{WallNeeds, WallRows};

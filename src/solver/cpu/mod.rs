@@ -22,7 +22,7 @@ use lattice::{Lattice, Mixed, Uniform};
 use operator::{Combine, CpuOperator, Now, RATE};
 use rows::StoredRows;
 pub use vector::CpuVector;
-use vector::{Volumes, largest};
+use vector::{Count, Volumes, largest};
 
 /// Values that one parallel task looks at.
 const CHUNK: usize = 1 << 15;
@@ -51,8 +51,7 @@ pub struct CpuBackend {
     volumes: Volumes,
     /// The aggregates of a coarse space, once a solver has one.
     aggregates: Aggregates,
-    /// Bytes of the vectors that were asked for.
-    vector_bytes: usize,
+    vectors: Count,
     /// A_aa, 1/s, once a solver has asked for it.
     diagonal: Vec<f64>,
 }
@@ -98,7 +97,7 @@ impl CpuBackend {
             exchange: CompensatedSum::default(),
             saved: None,
             aggregates: Aggregates::default(),
-            vector_bytes: 0,
+            vectors: Count::default(),
             diagonal: Vec::new(),
         }
     }
@@ -174,17 +173,18 @@ impl Backend for CpuBackend {
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |(state, _)| size_of_val(&**state));
         let values = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.source);
-        let solver = self.vector_bytes + size_of_val(&*self.diagonal);
+        let vectors = self.vectors.most * size_of_val(&*self.state);
+        let solver = vectors + size_of_val(&*self.diagonal);
         let rest = solver + self.volumes.memory_bytes() + self.aggregates.memory_bytes();
         self.operator.memory_bytes() + (values + rest) as u64
     }
     fn vector(&mut self) -> Result<CpuVector, SolverError> {
-        self.vector_bytes += size_of_val(&*self.state);
-        Ok(CpuVector::zero(self.state.len()))
+        Ok(self.vectors.vector(self.state.len()))
     }
 
     fn load(&mut self, values: &[f64], out: &mut CpuVector) -> Result<(), SolverError> {
-        *out = CpuVector { values: self.operator.by_place(values), given: 0.0 };
+        out.values = self.operator.by_place(values);
+        out.given = 0.0;
         self.operator.held().iter().for_each(|&place| out.values[place as usize] = 0.0);
         Ok(())
     }

@@ -1,21 +1,39 @@
 //! Vectors of the CPU backend.
 
+use std::sync::{Arc, Weak};
+
 use rayon::prelude::*;
 
 use super::CHUNK;
 
 /// One value at each place, and what the outside gave, value x volume (or that a second, of a rate).
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct CpuVector {
     pub(super) values: Vec<f64>,
     pub(super) given: f64,
+    /// Nothing but what ends with the vector.
+    _life: Arc<()>,
+}
+
+/// How many vectors there are, and were at once at most.
+#[derive(Debug, Default)]
+pub(super) struct Count {
+    lives: Vec<Weak<()>>,
+    pub(super) most: usize,
+}
+
+impl Count {
+    /// A vector of zeros.
+    pub(super) fn vector(&mut self, places: usize) -> CpuVector {
+        let life = Arc::new(());
+        self.lives.retain(|life| life.strong_count() > 0);
+        self.lives.push(Arc::downgrade(&life));
+        self.most = self.most.max(self.lives.len());
+        CpuVector { values: vec![0.0; places], given: 0.0, _life: life }
+    }
 }
 
 impl CpuVector {
-    pub(super) fn zero(places: usize) -> Self {
-        Self { values: vec![0.0; places], given: 0.0 }
-    }
-
     /// self = `keep` x self + the sum of factor x vector.
     pub(super) fn update(&mut self, keep: f64, terms: &[(f64, &Self)]) {
         self.update_given(keep, terms);

@@ -82,12 +82,9 @@ impl<B: Backend> Integrator<B> for Explicit<B> {
         Ok(())
     }
 
-    fn change(&self) -> &B::Vector {
-        &self.changes[0]
-    }
-
     /// What the cubic through the states and rates at both ends tells (Sommeijer, Shampine and Verwer
-    /// 1997, J. Comput. Appl. Math. 88, 315, equation 2.9); the rate at the end is that of the next step.
+    /// 1997, J. Comput. Appl. Math. 88, 315, equation 2.9). The rate at the end is not kept for the next step: what
+    /// rounding leaves of a large rate would stay in all that follow.
     fn error(&mut self, backend: &mut B, _negligible: f64) -> Result<f64, SolverError> {
         let [time, dt] = self.proposed;
         self.add(backend, [0.0, 1.0], [time, time + dt])?;

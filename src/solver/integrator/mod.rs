@@ -26,7 +26,7 @@ pub use fixed::{Equal, EulerSteps, Steps};
 pub use spectrum::largest_eigenvalue;
 pub use steady::solve_steady;
 pub use stepper::{Kind, Stepper};
-pub use tr_bdf2::{Accuracy, TrBdf2Steps};
+pub use tr_bdf2::TrBdf2Steps;
 
 use super::{Backend, SolverError};
 
@@ -35,9 +35,6 @@ use super::{Backend, SolverError};
 pub trait Integrator<B: Backend> {
     /// Computes the change over a step of `dt` (s) from `time` (s), where the state is.
     fn propose(&mut self, backend: &mut B, time: f64, dt: f64) -> Result<(), SolverError>;
-
-    /// What was proposed.
-    fn change(&self) -> &B::Vector;
 
     /// The estimated error of what was proposed, the largest over all particles; what is below
     /// `negligible` need not be known well.
@@ -60,10 +57,6 @@ pub trait Integrator<B: Backend> {
 impl<B: Backend> Integrator<B> for Box<dyn Integrator<B>> {
     fn propose(&mut self, backend: &mut B, time: f64, dt: f64) -> Result<(), SolverError> {
         (**self).propose(backend, time, dt)
-    }
-
-    fn change(&self) -> &B::Vector {
-        (**self).change()
     }
 
     fn error(&mut self, backend: &mut B, negligible: f64) -> Result<f64, SolverError> {

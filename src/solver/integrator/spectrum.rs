@@ -7,6 +7,9 @@ use crate::solver::{Backend, SolverError};
 /// Iterations at most.
 const MOST_ITERATIONS: usize = 60;
 
+/// Iterations at least: the first value that looks settled need not be the largest.
+const LEAST_ITERATIONS: usize = 10;
+
 /// The iteration ends when the residual of the largest Ritz value is below this part of it.
 const RESIDUAL: f64 = 0.02;
 
@@ -39,7 +42,8 @@ pub fn largest_eigenvalue<B: Backend>(
         beta = backend.dot(&next, &next)?.max(0.0).sqrt();
         let (ritz, last) = matrix.largest();
         let residual = beta * last.abs();
-        if residual <= RESIDUAL * ritz || iteration == MOST_ITERATIONS {
+        let is_over = iteration >= LEAST_ITERATIONS && residual <= RESIDUAL * ritz;
+        if is_over || residual == 0.0 || iteration == MOST_ITERATIONS {
             return Ok(((MARGIN * (ritz + residual)).min(safe), iteration as u64));
         }
         backend.update(&mut next, 1.0 / beta, &[])?;

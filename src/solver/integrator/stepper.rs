@@ -38,6 +38,8 @@ pub enum Kind<B: Backend> {
     Steady {
         /// The part.
         reduction: f64,
+        /// What rounding may leave of flows that cancel, of their size.
+        rounding: f64,
         /// Operator applications so far.
         applications: u64,
     },
@@ -57,14 +59,18 @@ impl<B: Backend + 'static> Stepper<B> {
         let linear = problem.time.linear_tolerance;
         let preconditioner = problem.time.preconditioner;
         let mut applications = 0;
-        let integrator: Box<dyn Integrator<B>> = match step.method {
+        // Without a duration there is nothing to prepare for.
+        let method = if problem.time.end == 0.0 { Method::Euler } else { step.method };
+        let integrator: Box<dyn Integrator<B>> = match method {
             Method::Euler => {
                 let kind = Kind::Equal(Box::new(EulerSteps::default()));
                 return Ok(Self { kind, applications });
             }
             Method::Steady => {
                 let reduction = linear.unwrap_or(REDUCTION).max(0.1 * precision.finest());
-                return Ok(Self { kind: Kind::Steady { reduction, applications }, applications });
+                let rounding = precision.finest();
+                let kind = Kind::Steady { reduction, rounding, applications };
+                return Ok(Self { kind, applications });
             }
             Method::Heun => Box::new(Explicit::new(backend, Recurrence::Heun, 0.0)?),
             Method::Rkl2 => {
@@ -87,7 +93,8 @@ impl<B: Backend + 'static> Stepper<B> {
         };
         let scale = backend.largest_value()?;
         let finest = precision.finest() * scale;
-        if tolerance.of(scale) < finest {
+        let is_relative = tolerance.absolute == 0.0;
+        if tolerance.of(scale) < finest || is_relative && tolerance.relative < precision.finest() {
             return Err(SolverError::TooTight {
                 tolerance: tolerance.of(scale),
                 finest,

@@ -18,7 +18,7 @@ const FIRST: f64 = 1e-8;
 
 /// How small |r_a / M_aa| has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Accuracy {
+enum Accuracy {
     /// In the unit of the field.
     Absolute(f64),
     /// Of the largest magnitude of the field.
@@ -109,10 +109,6 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         backend.update(residual, 1.0 / TrBdf2::GAMMA, &terms)?;
         solve.solve(backend, matrix, second, residual, goal)?;
         backend.update_given(second, 1.0, &[(1.0, residual)])
-    }
-
-    fn change(&self) -> &B::Vector {
-        &self.changes[1]
     }
 
     /// The difference to the embedded method, through the matrix of the step so that what is fast counts

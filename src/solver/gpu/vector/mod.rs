@@ -114,6 +114,8 @@ pub(super) struct Tools {
     aggregates: Option<Aggregates>,
     /// Number, life and bytes of each vector.
     vectors: Vec<(u64, Weak<()>, u64)>,
+    /// The most bytes that they had at once.
+    most_bytes: u64,
     made: u64,
     queue: Queue,
 }
@@ -154,6 +156,7 @@ impl Tools {
             diagonal: Vec::new(),
             aggregates: None,
             vectors: Vec::new(),
+            most_bytes: 0,
             made: 0,
             queue: Queue::default(),
         })
@@ -171,19 +174,19 @@ impl Tools {
         let life = Arc::new(());
         self.made += 1;
         self.vectors.push((self.made, Arc::downgrade(&life), bytes));
+        let all = self.vectors.iter().map(|(.., bytes)| bytes).sum();
+        self.most_bytes = self.most_bytes.max(all);
         Ok(GpuVector { number: self.made, parts, given, _life: life })
     }
 
-    /// Bytes on the device.
+    /// Bytes on the device, at most.
     fn bytes(&self) -> u64 {
-        let vectors = self.vectors.iter().filter(|(_, life, _)| life.strong_count() > 0);
         let blocks = [&self.combination, &self.update, &self.exception, &self.nothing_given];
         let buffers = blocks.into_iter().chain([&self.source]).chain(&self.sums);
         let buffers = buffers.chain(&self.nothing_held).chain(&self.no_source);
         let buffers = buffers.chain(&self.coefficient).chain(&self.diagonal);
         let aggregates = self.aggregates.as_ref().map_or(0, Aggregates::bytes);
-        let vectors = vectors.map(|(.., bytes)| bytes).sum::<u64>();
-        vectors + buffers.map(Buffer::bytes).sum::<u64>() + aggregates
+        self.most_bytes + buffers.map(Buffer::bytes).sum::<u64>() + aggregates
     }
 }
 

@@ -57,8 +57,8 @@ impl Boxes {
         }
     }
 
-    /// The aggregate of each particle, or [`NONE`], and the colour of each aggregate: no two within a box
-    /// of one another have the same.
+    /// The aggregate of each particle, or [`NONE`], and the colour of each aggregate: no two neighbours of
+    /// one box have the same.
     pub(super) fn aggregates(&mut self, problem: &Problem) -> (Vec<u32>, Vec<usize>) {
         let particles = &problem.particles;
         let key =

@@ -34,13 +34,14 @@ impl Envelope {
     }
 
     /// L with L L^T = `scale` x this + diag(`diagonal`), which is positive definite (Cholesky's method on the
-    /// envelope: George and Liu 1981, chapter 4). Rounding may leave a pivot of a singular matrix without a
-    /// sign: none is below `least` of its diagonal.
+    /// envelope: George and Liu 1981, chapter 4). Where a pivot is not above `least` of the largest entry of
+    /// the diagonal, the matrix is singular but for rounding: that unknown is 0.
     pub(super) fn factor(&self, scale: f64, diagonal: impl Fn(usize) -> f64, least: f64) -> Self {
         let mut l = self.clone();
+        let own = |i: usize| scale * self.entries[self.start[i] + i - self.first[i]] + diagonal(i);
+        let least = least * (0..self.first.len()).map(own).fold(0.0, f64::max);
         for i in 0..l.first.len() {
             let (first, start) = (l.first[i], l.start[i]);
-            let own = scale * self.entries[start + i - first] + diagonal(i);
             for j in first..i {
                 let from = first.max(l.first[j]);
                 let (of_i, of_j) = (l.row(i, from), l.row(j, from));
@@ -49,7 +50,9 @@ impl Envelope {
                 l.entries[start + j - first] = known / of_j[of_j.len() - 1];
             }
             let squares: f64 = l.entries[start..start + i - first].iter().map(|x| x * x).sum();
-            l.entries[start + i - first] = (own - squares).max(least * own).sqrt();
+            let pivot = own(i) - squares;
+            // What is divided by infinity is 0.
+            l.entries[start + i - first] = if pivot > least { pivot.sqrt() } else { f64::INFINITY };
         }
         l
     }
@@ -73,6 +76,16 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_nothing_determines_is_0() {
+        // A difference of two, and one that nothing is coupled to.
+        let rows = vec![vec![(0, 1.0)], vec![(0, -1.0), (1, 1.0)], vec![(2, 0.0)]];
+        let factor = Envelope::new(&rows).factor(1.0, |_| 0.0, 1e-12);
+        let mut b = [2.0, -2.0, 0.0];
+        factor.solve(&mut b);
+        assert_eq!(b, [2.0, 0.0, 0.0]);
+    }
 
     #[test]
     fn a_system_with_a_gap_and_a_far_entry_is_solved() {

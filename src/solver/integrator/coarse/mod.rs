@@ -11,8 +11,9 @@ use envelope::Envelope;
 /// A particle in no aggregate: a held one.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The least pivot of a coarse matrix, of its diagonal: where nothing imposes a value it is singular.
-const REGULAR: f64 = 1e-12;
+/// A pivot of a coarse matrix below this part of its diagonal is rounding: where nothing imposes a value the
+/// matrix is singular.
+const REGULAR: f64 = 1e-10;
 
 /// Boxes of particles, each of one material, as piecewise constant functions (the coarse level of an additive
 /// Schwarz method: Nicolaides 1987, SIAM J. Numer. Anal. 24, 355; Smith, Bjorstad and Gropp 1996, section
