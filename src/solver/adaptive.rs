@@ -57,7 +57,6 @@ impl<B: Backend> Adaptive<'_, B> {
             }
         }
         if segment.is_break {
-            self.integrator.reset();
             self.controller.restart(self.first);
         }
         Ok(())

@@ -158,10 +158,6 @@ impl Run<'_> {
         segment: &Segment,
     ) -> Result<(), O::Error> {
         let start = segment.start;
-        if start > 0.0 {
-            // What is imposed may have changed at once.
-            stepper.reset();
-        }
         let (mut done, mut saved) = (0, 0);
         let mut since_saved = SAVE_EVERY;
         while done < segment.steps {
@@ -216,7 +212,6 @@ impl Run<'_> {
         while bad - good > 1 {
             let middle = good + (bad - good) / 2;
             backend.restore()?;
-            stepper.reset();
             stepper.take(backend, start + good as f64 * dt, dt, middle - good)?;
             if backend.is_finite()? {
                 backend.save()?;
@@ -226,7 +221,6 @@ impl Run<'_> {
             }
         }
         backend.restore()?;
-        stepper.reset();
         stepper.take(backend, start + good as f64 * dt, dt, bad - good)?;
         let state = backend.read()?;
         backend.restore()?;

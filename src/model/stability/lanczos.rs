@@ -57,14 +57,19 @@ pub fn largest_eigenvalue(rows: &Rows, volume: &[f64]) -> LargestEigenvalue {
     unreachable!("the last iteration returns")
 }
 
-/// A vector with a part in every mode: reproducible noise where nothing is held.
-fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
+/// A field with a part in every mode: reproducible noise.
+pub fn rough_field(count: usize) -> Vec<f64> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut noise = || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
         (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
-    let mut vector: Vec<f64> = (0..n).map(|_| noise()).collect();
+    (0..count).map(|_| noise()).collect()
+}
+
+/// A rough field of norm 1, but 0 for held particles.
+fn start_vector(rows: &Rows, n: usize) -> Vec<f64> {
+    let mut vector = rough_field(n);
     for &rank in rows.held_rank() {
         vector[rank as usize] = 0.0;
     }

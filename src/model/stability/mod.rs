@@ -3,7 +3,7 @@
 mod lanczos;
 mod tridiagonal;
 
-pub use lanczos::{LargestEigenvalue, largest_eigenvalue};
+pub use lanczos::{LargestEigenvalue, largest_eigenvalue, rough_field};
 pub use tridiagonal::Tridiagonal;
 
 use super::Problem;

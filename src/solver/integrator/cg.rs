@@ -81,11 +81,13 @@ impl<B: Backend> LinearSolve<B> {
         let (mut before, mut start) = (1.0, None);
         for iteration in 0..=MOST_ITERATIONS {
             backend.divide(residual, shift, scale, &mut self.preconditioned)?;
+            let mut square = None;
             let (reached, wanted) = match goal {
                 Goal::Largest(most) => (backend.largest(&self.preconditioned)?, most),
                 Goal::Relative(part) => {
-                    let norm = backend.dot(residual, &self.preconditioned)?.sqrt();
-                    (norm, part * *start.get_or_insert(norm))
+                    let by_diagonal = backend.dot(residual, &self.preconditioned)?;
+                    square = Some(by_diagonal);
+                    (by_diagonal.sqrt(), part * *start.get_or_insert(by_diagonal.sqrt()))
                 }
             };
             // Zero is as good as it gets.
@@ -98,8 +100,12 @@ impl<B: Backend> LinearSolve<B> {
             }
             if let Some(coarse) = &mut self.coarse {
                 coarse.add(backend, matrix, residual, &mut self.preconditioned)?;
+                square = None;
             }
-            let square = backend.dot(residual, &self.preconditioned)?;
+            let square = match square {
+                Some(known) => known,
+                None => backend.dot(residual, &self.preconditioned)?,
+            };
             let keep = if iteration == 0 { 0.0 } else { square / before };
             backend.update(&mut self.direction, keep, &[(1.0, &self.preconditioned)])?;
             backend.apply(&self.direction, shift, scale, &mut self.product)?;

@@ -101,10 +101,6 @@ impl<B: Backend> Integrator<B> for Explicit<B> {
         Ok(())
     }
 
-    fn reset(&mut self) {
-        self.knows_rate = false;
-    }
-
     fn applications(&self) -> u64 {
         self.applications
     }

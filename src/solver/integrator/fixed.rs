@@ -8,9 +8,6 @@ pub trait Steps<B: Backend> {
     /// Takes `count` steps of `dt` (s) from `time` (s), which is where the state is.
     fn take(&mut self, backend: &mut B, time: f64, dt: f64, count: u64) -> Result<(), SolverError>;
 
-    /// Forgets what it knows of the state: another will be there.
-    fn reset(&mut self) {}
-
     /// Operator applications so far.
     fn applications(&self) -> u64;
 }
@@ -33,20 +30,15 @@ impl<B: Backend> Steps<B> for EulerSteps {
 }
 
 /// Equal steps of a method that proposes them.
-#[derive(Debug)]
-pub struct Equal<I>(pub I);
+pub struct Equal<B: Backend>(pub Box<dyn Integrator<B>>);
 
-impl<B: Backend, I: Integrator<B>> Steps<B> for Equal<I> {
+impl<B: Backend> Steps<B> for Equal<B> {
     fn take(&mut self, backend: &mut B, time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
         for step in 0..count {
             self.0.propose(backend, time + step as f64 * dt, dt)?;
             self.0.accept(backend)?;
         }
         Ok(())
-    }
-
-    fn reset(&mut self) {
-        self.0.reset();
     }
 
     fn applications(&self) -> u64 {

@@ -43,39 +43,10 @@ pub trait Integrator<B: Backend> {
     /// Takes what was proposed.
     fn accept(&mut self, backend: &mut B) -> Result<(), SolverError>;
 
-    /// Forgets what it knows of the state: another will be there.
-    fn reset(&mut self);
-
     /// What an error of a step matters, in the unit of the field: linear systems are solved as well as
     /// that needs.
     fn aim(&mut self, _limit: f64) {}
 
     /// Operator applications so far.
     fn applications(&self) -> u64;
-}
-
-impl<B: Backend> Integrator<B> for Box<dyn Integrator<B>> {
-    fn propose(&mut self, backend: &mut B, time: f64, dt: f64) -> Result<(), SolverError> {
-        (**self).propose(backend, time, dt)
-    }
-
-    fn error(&mut self, backend: &mut B, negligible: f64) -> Result<f64, SolverError> {
-        (**self).error(backend, negligible)
-    }
-
-    fn accept(&mut self, backend: &mut B) -> Result<(), SolverError> {
-        (**self).accept(backend)
-    }
-
-    fn reset(&mut self) {
-        (**self).reset();
-    }
-
-    fn aim(&mut self, limit: f64) {
-        (**self).aim(limit);
-    }
-
-    fn applications(&self) -> u64 {
-        (**self).applications()
-    }
 }

@@ -1,7 +1,7 @@
 //! The largest eigenvalue of the operator on a backend.
 
 use crate::model::Problem;
-use crate::model::stability::Tridiagonal;
+use crate::model::stability::{Tridiagonal, rough_field};
 use crate::solver::{Backend, SolverError};
 
 /// Iterations at most.
@@ -51,14 +51,4 @@ pub fn largest_eigenvalue<B: Backend>(
         std::mem::swap(&mut vector, &mut next);
     }
     unreachable!("the last iteration returns")
-}
-
-/// A field with a part in every mode: reproducible noise.
-fn rough_field(count: usize) -> Vec<f64> {
-    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut noise = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
-    (0..count).map(|_| noise()).collect()
 }

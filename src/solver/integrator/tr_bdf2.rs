@@ -129,8 +129,6 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         backend.add(&self.changes[1])
     }
 
-    fn reset(&mut self) {}
-
     fn aim(&mut self, limit: f64) {
         self.accuracy = Accuracy::Absolute(LEFT * limit);
     }
