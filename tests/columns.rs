@@ -55,7 +55,7 @@ fn recurrence(left: f64, right: f64, r: f64, steps: u64) -> Vec<f64> {
 fn deviation(scene: &Scene, state: &[f64], left: f64, right: f64, factor: f64) -> f64 {
     let problem = &scene.problem;
     let ratio = effective_diffusivity_ratio(&problem.kernel, problem.spacing);
-    let r = 225.0 * problem.materials[0].diffusivity * ratio * factor / problem.spacing.powi(2);
+    let r = 225.0 * problem.materials[0].diffusivity() * ratio * factor / problem.spacing.powi(2);
     let exact = recurrence(left, right, r, STEPS);
     let layer = |x: f64| (x / problem.spacing - 0.5).round() as usize;
     let places = problem.particles.position.iter().zip(state);
@@ -82,7 +82,7 @@ fn the_recurrence_reaches_the_published_figures_after_all_steps() {
     let column = load("constant_column", &[]);
     let problem = &column.problem;
     let ratio = effective_diffusivity_ratio(&problem.kernel, problem.spacing);
-    let r = 225.0 * problem.materials[0].diffusivity * ratio / problem.spacing.powi(2);
+    let r = 225.0 * problem.materials[0].diffusivity() * ratio / problem.spacing.powi(2);
     let constant = recurrence(1000.0, 1000.0, r, 280_320);
     let least = constant.iter().copied().fold(f64::INFINITY, f64::min);
     assert!((least - 999.999_740_757).abs() < 5e-9, "{least}");

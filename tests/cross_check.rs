@@ -132,7 +132,7 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
             let allowed = tolerance(&problem, precision);
             assert!(found <= allowed, "{} in {precision:?}: {found:e} > {allowed:e}", scene.name);
             let given = on_cpu.exchange().expect("exchange");
-            let volume: f64 = problem.particles.volume.iter().sum();
+            let volume: f64 = problem.capacities().iter().sum();
             let scale = volume * problem.initial.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
             let off = (given - on_gpu.exchange().expect("exchange")).abs();
             assert!(off <= allowed * scale, "{}: exchange off by {off:e}", scene.name);
@@ -143,7 +143,7 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
 #[test]
 fn the_cross_check_notices_one_changed_weight() {
     let scene = case::load("gaussian_small", &[]).expect("a shipped case");
-    let dt = scene.problem.spacing.powi(2) / scene.problem.materials[0].diffusivity / 10.0;
+    let dt = scene.problem.spacing.powi(2) / scene.problem.materials[0].diffusivity() / 10.0;
     let mut changed = scene.problem.clone();
     changed.particles.volume[6000] *= 1.0 + 1e-3;
     let mut on_cpu = CpuBackend::of(&scene.problem);
@@ -157,7 +157,7 @@ fn the_cross_check_notices_one_changed_weight() {
 #[test]
 fn saved_states_come_back_on_both_sides() {
     let problem = case::load("gaussian_small", &[]).expect("a shipped case").problem;
-    let dt = problem.spacing.powi(2) / problem.materials[0].diffusivity / 10.0;
+    let dt = problem.spacing.powi(2) / problem.materials[0].diffusivity() / 10.0;
     let gpu = GpuBackend::new(&problem, dt, device(), Precision::F32).expect("backend");
     fn check<B: Backend>(mut backend: B, dt: f64) {
         backend.euler(0.0, dt, 3).expect("steps");

@@ -71,7 +71,7 @@ fn apart(on_list: &Problem, on_lattice: &Problem, precision: Precision) -> [f64;
     here.euler(0.0, dt, STEPS).expect("steps");
     there.euler(0.0, dt, STEPS).expect("steps");
     let (a, b) = (here.read().expect("read"), there.read().expect("read"));
-    let total: f64 = on_list.particles.volume.iter().sum::<f64>() * 300.0;
+    let total: f64 = on_list.capacities().iter().sum::<f64>() * 300.0;
     let exchange = here.exchange().expect("exchange") - there.exchange().expect("exchange");
     let allowed = allowed(on_list, precision);
     [
@@ -138,7 +138,7 @@ fn one_changed_value_or_weight_is_noticed() {
         changed.initial[free] *= 1.0 + 4.0 * roundings;
         assert!(apart(&problem, &changed, precision)[0] > 1.0, "{precision:?} value");
         let mut changed = problem.clone();
-        changed.materials[0].diffusivity *= 1.0 + 400.0 * roundings;
+        changed.materials[0].conductivity *= 1.0 + 400.0 * roundings;
         assert!(apart(&problem, &changed, precision)[0] > 1.0, "{precision:?} weight");
         let mut changed = problem.clone();
         changed
@@ -204,7 +204,7 @@ fn parts_agree(problem: &Problem, layers: usize, name: &str) {
     assert!(rates <= roundings(problem, precision), "{name}: rates {rates:e}");
     let fields = difference(&one.field, &several.field);
     assert!(fields <= allowed, "{name}: {fields:e}");
-    let total: f64 = problem.particles.volume.iter().sum::<f64>() * 300.0;
+    let total: f64 = problem.capacities().iter().sum::<f64>() * 300.0;
     let exchange = (one.exchange - several.exchange).abs() / total;
     assert!(exchange <= allowed, "{name}: {} {}", one.exchange, several.exchange);
 }

@@ -32,7 +32,7 @@ fn apart(on_list: &Problem, on_lattice: &Problem) -> (f64, f64) {
     one.euler(0.0, dt, 40).expect("steps");
     other.euler(0.0, dt, 40).expect("steps");
     let (a, b) = (one.read().expect("read"), other.read().expect("read"));
-    let total: f64 = on_list.particles.volume.iter().sum::<f64>() * 300.0;
+    let total: f64 = on_list.capacities().iter().sum::<f64>() * 300.0;
     let exchange = one.exchange().expect("exchange") - other.exchange().expect("exchange");
     (difference(a.as_ref(), b.as_ref()), exchange.abs() / total)
 }
@@ -81,7 +81,7 @@ fn one_changed_number_is_noticed() {
     for boundaries in boundaries(2) {
         let problem = scene(KernelKind::WendlandC4, 3.0, COUNTS[1], boundaries).problem;
         let mut changed = problem.clone();
-        changed.materials[0].diffusivity *= 1.0 + 1e-6;
+        changed.materials[0].conductivity *= 1.0 + 1e-6;
         assert!(apart(&problem, &changed).0 > 1e-13);
         if !problem.held.is_empty() {
             let mut freed = problem.clone();
@@ -175,7 +175,7 @@ fn what_is_no_lattice_takes_the_list_and_says_why() {
     assert_eq!(twice, "two particles are on one site of the lattice");
     assert_eq!(why(&|problem| problem.particles.volume[3] *= 1.1), "particles differ in volume");
     let two = why(&|problem| {
-        let slow = Material { diffusivity: 0.1, ..problem.materials[0].clone() };
+        let slow = Material { conductivity: 0.1, ..problem.materials[0].clone() };
         problem.materials.push(slow);
         problem.particles.material[3] = 1;
     });

@@ -63,7 +63,16 @@ fn scene(
     let fill =
         |(k, (shape, _)): (usize, &(Value, f64))| json!({ "shape": shape, "material": name(k) });
     let material = |(k, (_, diffusivity)): (usize, &(Value, f64))| {
-        (name(k), json!({ "diffusivity": diffusivity }))
+        // Every other material has a heat capacity of its own: rho c = 0.5.
+        (
+            name(k),
+            match k % 2 {
+                0 => json!({ "diffusivity": diffusivity }),
+                _ => json!({
+                    "conductivity": 0.5 * diffusivity, "density": 2, "heat_capacity": 0.25
+                }),
+            },
+        )
     };
     let (sources, boundaries) = sources_and_boundaries(json!(boundaries));
     let case = json!({
@@ -240,7 +249,7 @@ fn apart(problem: &Problem, mixed: &mut CpuBackend) -> Apart {
     // Beside faster particles the harmonic mean is twice the own diffusivity at most.
     let largest = problem.max_diffusivity();
     let diffusivity =
-        |p: usize| problem.materials[usize::from(problem.particles.material[p])].diffusivity;
+        |p: usize| problem.materials[usize::from(problem.particles.material[p])].diffusivity();
     let scale = |p: usize| match problem.pair_mean {
         PairMean::Harmonic => 300.0 * bound * diffusivity(p) / largest,
         PairMean::Arithmetic => 300.0 * bound,
@@ -261,7 +270,7 @@ fn apart(problem: &Problem, mixed: &mut CpuBackend) -> Apart {
     assert_eq!(a.len(), b.len());
     let largest = a.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
     let fields = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
-    let volume = &problem.particles.volume;
+    let volume = &problem.capacities();
     let total = |state: &[f64]| state.iter().zip(volume).map(|(c, v)| c * v).sum::<f64>();
     let (before, given) = (total(&problem.initial), mixed.exchange().expect("exchange"));
     let exchange = (list.exchange().expect("exchange") - given).abs() / before;
@@ -361,7 +370,7 @@ fn inclusions_at_random_and_speckles_agree() {
     for (support_ratio, one_in) in [(2.0, 400), (3.0, 900), (2.0, 3)] {
         let whole = part(3, 0.0, 1.0);
         let mut problem = scene(KernelKind::WendlandC2, support_ratio, 3, &[(whole, 1.0)], &[]);
-        let slow = |diffusivity| Material { diffusivity, ..problem.materials[0].clone() };
+        let slow = |conductivity| Material { conductivity, ..problem.materials[0].clone() };
         let (slow, slower) = (slow(1e-3), slow(1e-6));
         problem.materials.extend([slow, slower]);
         let mut seed = 7_u64;
@@ -459,7 +468,7 @@ fn what_is_no_lattice_takes_the_list_and_says_why() {
 fn speckles_and_sparse_bodies_take_the_list_unless_the_stencil_is_wished_for() {
     let speckled = |one_in: usize| {
         let mut problem = scene(KernelKind::CubicSpline, 2.0, 3, &[(part(3, 0.0, 1.0), 1.0)], &[]);
-        let slow = Material { diffusivity: 1e-3, ..problem.materials[0].clone() };
+        let slow = Material { conductivity: 1e-3, ..problem.materials[0].clone() };
         problem.materials.push(slow);
         problem.particles.material.iter_mut().step_by(one_in).for_each(|m| *m = 1);
         problem

@@ -126,7 +126,7 @@ fn readings<B: Backend>(mut backend: B, problem: &Problem, script: Script) -> Ve
     let is_free = |particle: usize| held.binary_search(&particle).is_err();
     let of = |a: usize| if is_free(a) { (a % 6) as u32 } else { u32::MAX };
     let aggregates: Vec<u32> = (0..noise.len()).map(of).collect();
-    let volume: f64 = problem.particles.volume.iter().sum();
+    let volume: f64 = problem.capacities().iter().sum();
     let mut sums = [f64::NAN; 7];
     backend.aggregate(&aggregates, sums.len()).expect("aggregate");
     backend.restrict(&sum, &mut sums).expect("restrict");
@@ -180,7 +180,7 @@ fn condition(problem: &Problem) -> f64 {
         most / least
     };
     // Ends have an eighth of the neighbours of the inside, or so.
-    30.0 * ratio(&mut problem.materials.iter().map(|m| m.diffusivity))
+    30.0 * ratio(&mut problem.materials.iter().map(|m| m.diffusivity()))
 }
 
 /// The readings that differ by more than roundings explain.
@@ -192,7 +192,7 @@ fn apart(
 ) -> Vec<String> {
     let (_, neighbors) = step(problem);
     let roundings = (2 * (neighbors + 64)) as f64 * epsilon(precision);
-    let volume: f64 = problem.particles.volume.iter().sum();
+    let volume: f64 = problem.capacities().iter().sum();
     let mut found = Vec::new();
     for (a, b) in here.iter().zip(there) {
         let allowed = roundings * a.terms;
@@ -379,7 +379,7 @@ fn sums_and_steps_take_turns() {
     ] {
         let (dt, neighbors) = step(&problem);
         let (here, given) = stepped(CpuBackend::of(&problem), dt);
-        let volume = &problem.particles.volume;
+        let volume = &problem.capacities();
         let gained: f64 =
             here.iter().zip(&problem.initial).zip(volume).map(|((a, b), v)| v * (a - b)).sum();
         let total: f64 = 300.0 * volume.iter().sum::<f64>();
@@ -452,7 +452,8 @@ fn products_are_summed_well_and_stay_in_range() {
                 backend.load(&other, &mut y).expect("load");
                 let sum = |y: &[f64], of: fn(f64) -> f64| {
                     let mut sum = CompensatedSum::default();
-                    let volumes = problem.particles.volume.iter();
+                    let capacities = problem.capacities();
+                    let volumes = capacities.iter();
                     volumes.zip(&scaled).zip(y).for_each(|((v, x), y)| sum.add(of(v * x * y)));
                     sum.value()
                 };
@@ -466,7 +467,7 @@ fn products_are_summed_well_and_stay_in_range() {
                 let allowed_of_itself = 2.0 * epsilon(precision);
                 assert!(off.abs() < allowed_of_itself, "{precision:?} {size:e}: {off:e}");
                 // One value more or less is far more than that.
-                let part = problem.particles.volume[5000] * scaled[5000] * other[5000];
+                let part = problem.capacity(5000) * scaled[5000] * other[5000];
                 assert!(part.abs() > 4e-6 * scale && part.abs() > allowed);
             }
         }

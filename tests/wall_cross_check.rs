@@ -167,7 +167,7 @@ fn a_changed_wall_is_noticed() {
 
 /// The total of `state`, value x volume.
 fn total(problem: &Problem, state: &[f64]) -> f64 {
-    state.iter().zip(&problem.particles.volume).map(|(c, v)| c * v).sum()
+    state.iter().zip(&problem.capacities()).map(|(c, v)| c * v).sum()
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn fields_and_balances_agree_after_many_steps_that_change_in_time() {
             let mut here = CpuBackend::of(&problem);
             here.euler(0.0, dt, STEPS).expect("steps");
             let field = here.read().expect("read").as_ref().to_vec();
-            let scale = 330.0 * problem.particles.volume.iter().sum::<f64>();
+            let scale = 330.0 * problem.capacities().iter().sum::<f64>();
             let gained = total(&problem, &field) - total(&problem, &problem.initial);
             let given = here.exchange().expect("exchange");
             assert!((gained - given).abs() < 1e-13 * scale, "{kind:?}: {gained} {given}");

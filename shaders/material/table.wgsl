@@ -1,10 +1,13 @@
-// Volume and diffusivity of each row, over the reference volume and diffusivity.
+// Volume, conductivity and capacity of each row, over those that weights are relative to.
 
 fn volume_ratio(row: u32) -> real {
     return coefficient[row].x;
 }
 
-fn diffusivity_ratio(row: u32) -> real {
+fn conductivity_ratio(row: u32) -> real {
     return coefficient[row].y;
 }
 
+fn capacity_ratio(row: u32) -> real {
+    return coefficient[row].z;
+}

@@ -4,7 +4,7 @@
 var<private> position: u32;
 
 fn visit(row: u32, other: u32, q_squared: real) {
-    let mean = pair_mean(diffusivity_ratio(row), diffusivity_ratio(other));
+    let mean = pair_mean(conductivity_ratio(row), conductivity_ratio(other)) / capacity_ratio(row);
     let shape = -kernel_shape_dw_over_r(sqrt(q_squared));
     neighbor[position] = other;
     weight[position] = grid.weight_scale * volume_ratio(other) * mean * shape;

@@ -29,7 +29,7 @@ fn vector_dot(
     workgroupBarrier();
     var sum = real(0.0);
     for (var i = first; i < end; i += WORKGROUP_SIZE) {
-        sum += volume_ratio(i) * ((collapsed(one[i]) / size.x) * (collapsed(other[i]) / size.y));
+        sum += capacity_share(i) * ((collapsed(one[i]) / size.x) * (collapsed(other[i]) / size.y));
     }
     partial[lane] = vec2<real>(sum);
     for (var reach = WORKGROUP_SIZE / 2u; reach > 0u; reach /= 2u) {

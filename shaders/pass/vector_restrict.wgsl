@@ -14,7 +14,7 @@ fn vector_restrict(
     let row = min(aggregate, arrayLength(&sums) - 1u);
     var sum = real(0.0);
     for (var k = start[row] + lane; k < start[row + 1u]; k += WORKGROUP_SIZE) {
-        sum += volume_ratio(place[k]) * collapsed(one[place[k]]);
+        sum += capacity_share(place[k]) * collapsed(one[place[k]]);
     }
     partial[lane] = sum;
     for (var reach = WORKGROUP_SIZE / 2u; reach > 0u; reach /= 2u) {

@@ -8,9 +8,10 @@ use super::error::{CaseError, nearest};
 use super::exact::{Setting, resolve as resolve_exact};
 use super::geometry::{WHOLE, particles};
 use super::initial::{Ground, Initial, resolve as resolve_initial};
+use super::material::MaterialSpec;
 use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
-use super::schema::{Case, MaterialSpec};
+use super::schema::Case;
 use super::source::resolve as resolve_sources;
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
@@ -46,6 +47,7 @@ fn problem(
 ) -> Result<(Problem, Option<Solution>), CaseError> {
     let (evaluator, spacing) = evaluator(case)?;
     let materials = materials(case, &evaluator)?;
+    warn_of_mixed_units(case, warnings);
     let (domain, particles) = particles(case, &evaluator, spacing, warnings)?;
     let kernel = kernel(case, &evaluator, spacing, &domain)?;
     let body = Body {
@@ -56,12 +58,21 @@ fn problem(
         particles: &particles,
     };
     let (walls, surfaces) = resolve_walls(&case.boundaries, &body, warnings)?;
-    let time = time(case, &evaluator)?;
-    let sources = resolve_sources(&case.sources, &body, time.end, warnings)?;
     let (pair_mean, correction) = operator(case)?;
-    let ground = Ground { evaluator: &evaluator, domain: &domain, spacing, particles: &particles };
+    let ground = Ground {
+        evaluator: &evaluator,
+        domain: &domain,
+        spacing,
+        particles: &particles,
+        materials: &materials,
+    };
     let mut initial = resolve_initial(&case.initial, &ground)?;
     let held = hold(&case.boundaries, &evaluator, &particles, spacing, &mut initial.value)?;
+    let mut time = time(case, &evaluator)?;
+    let sources = resolve_sources(&case.sources, &body, &held, time.end, warnings)?;
+    time.breaks.extend(sources.breaks);
+    time.breaks.sort_by(f64::total_cmp);
+    time.breaks.dedup();
     warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
     let setting = Setting {
         evaluator: &evaluator,
@@ -86,9 +97,10 @@ fn problem(
         held,
         walls,
         surfaces,
-        sources,
+        sources: sources.list,
         time,
     };
+    warn_of_growth(&problem, warnings);
     Ok((problem, exact))
 }
 
@@ -113,6 +125,31 @@ fn warn_of_lost_parts(
             let fault = format!("the particle at {x} is held: its part of the amount is lost");
             warnings.push(format!("initial[{entry}]: {fault}"));
         }
+    }
+}
+
+fn warn_of_growth(problem: &Problem, warnings: &mut Vec<String>) {
+    let growth = problem.linear_sources().growth;
+    if growth > 0.0 {
+        warnings.push(format!(
+            "sources: the value grows by itself by up to {growth:.3e} of it a second, by a factor of up to \
+             {:.3e} until time.end, and so does every error in it",
+            (growth * problem.time.end).exp()
+        ));
+    }
+}
+
+/// Where some materials have a diffusivity alone and others a conductivity.
+fn warn_of_mixed_units(case: &Case, warnings: &mut Vec<String>) {
+    let is_thermal = |spec: &MaterialSpec| spec.is_thermal();
+    let mut thermal = case.materials.values().map(is_thermal);
+    let first = thermal.next();
+    if thermal.any(|other| Some(other) != first) {
+        warnings.push(
+            "materials: some have a diffusivity alone, which counts as a conductivity with a capacity of 1, \
+             and some a conductivity in W/(m K): where they meet, units are mixed"
+                .to_owned(),
+        );
     }
 }
 
@@ -162,14 +199,7 @@ fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseEr
     let count = case.materials.len();
     // Particles name their material by a u16.
     in_range("materials", count as f64, count <= usize::from(u16::MAX), "at most 65535 materials")?;
-    let material = |(name, spec): (&String, &MaterialSpec)| {
-        let path = format!("materials.{name}");
-        Ok(Material {
-            name: name.clone(),
-            diffusivity: evaluator.positive(&format!("{path}.diffusivity"), &spec.diffusivity)?,
-            density: evaluator.positive(&format!("{path}.density"), &spec.density)?,
-        })
-    };
+    let material = |(name, spec): (&String, &MaterialSpec)| spec.resolve(name, evaluator);
     case.materials.iter().map(material).collect()
 }
 

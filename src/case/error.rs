@@ -262,6 +262,14 @@ pub enum CaseError {
         /// Why the scene does not give it.
         reason: String,
     },
+    /// A point source that no particle is near.
+    #[error(
+        "{path}: no particle within the support radius that is not held: the source is outside of the body"
+    )]
+    SourceInVoid {
+        /// The path of the point or points.
+        path: String,
+    },
     /// A named solution of a scene with sources, which it does not know.
     #[error("exact: the solution {name} knows no sources; compare with an expression")]
     ExactWithoutSources {

@@ -10,7 +10,10 @@ use super::error::CaseError;
 use super::number::{Field, Number, Point};
 use crate::exact::{MassesInBox, PointSource, PointSourceInBox, Solution};
 
-use bodies::{AnnulusSpec, HalfSpaceSpec, OscillatingSlabSpec, SlabSpec, SphereSpec};
+use bodies::{
+    AnnulusSpec, ContactSpec, HalfSpaceSpec, OscillatingSlabSpec, QuenchedBoxSpec, SlabSpec,
+    SphereSpec,
+};
 pub(super) use setting::Setting;
 
 /// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
@@ -76,6 +79,10 @@ pub(super) enum ExactSpec {
     Sphere(SphereSpec),
     /// What lies between two concentric circles that are held, from a uniform initial value.
     Annulus(AnnulusSpec),
+    /// A box from a uniform initial value, whose faces are held at one value.
+    QuenchedBox(QuenchedBoxSpec),
+    /// Two bodies that touch, each from a uniform initial value.
+    Contact(ContactSpec),
     /// A slab whose left face swings, from a uniform initial value.
     OscillatingSlab(OscillatingSlabSpec),
     /// An expression of x y z t.
@@ -116,6 +123,8 @@ pub(super) fn resolve(
         ExactSpec::HalfSpace(spec) => Solution::HalfSpace(spec.resolve(setting)?),
         ExactSpec::Sphere(spec) => Solution::Sphere(spec.resolve(setting)?),
         ExactSpec::Annulus(spec) => Solution::Annulus(spec.resolve(setting)?),
+        ExactSpec::QuenchedBox(spec) => Solution::QuenchedBox(spec.resolve(setting)?),
+        ExactSpec::Contact(spec) => Solution::Contact(spec.resolve(setting)?),
         ExactSpec::OscillatingSlab(spec) => Solution::OscillatingSlab(spec.resolve(setting)?),
         ExactSpec::Expression { value } => {
             let field = setting.evaluator.field_in_time("exact.value", value)?;

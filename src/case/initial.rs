@@ -8,7 +8,7 @@ use super::error::CaseError;
 use super::number::{Evaluator, Number, Point};
 use super::schema::InitialSpec;
 use super::shape::ShapeSpec;
-use crate::model::{Domain, Particles};
+use crate::model::{Domain, Material, Particles};
 
 /// Particles share a deposit if their distances to it differ by less than this fraction of the
 /// spacing.
@@ -30,6 +30,7 @@ pub(super) struct Ground<'a> {
     pub(super) domain: &'a Domain,
     pub(super) spacing: f64,
     pub(super) particles: &'a Particles,
+    pub(super) materials: &'a [Material],
 }
 
 /// Values first, later entries over earlier ones; then every amount is added on top.
@@ -112,9 +113,13 @@ impl Ground<'_> {
         let at = self.evaluator.point(&at_path, at)?;
         super::plan::check_inside(&at_path, at, self.domain, self.evaluator, self.spacing)?;
         let nearest = self.nearest(at);
-        let volume: f64 = nearest.iter().map(|&b| self.particles.volume[b as usize]).sum();
+        let capacity = |&b: &u32| {
+            let material = usize::from(self.particles.material[b as usize]);
+            self.materials[material].capacity * self.particles.volume[b as usize]
+        };
+        let capacity: f64 = nearest.iter().map(capacity).sum();
         for particle in nearest {
-            initial.value[particle as usize] += amount / volume;
+            initial.value[particle as usize] += amount / capacity;
             initial.recipients.push((particle, index));
         }
         initial.deposits.push((amount, at));

@@ -11,6 +11,7 @@ mod expression;
 mod fill;
 mod geometry;
 mod initial;
+mod material;
 mod number;
 mod overrides;
 mod parse;

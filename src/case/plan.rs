@@ -6,6 +6,7 @@ use super::OutputField;
 use super::build::by_name;
 use super::error::CaseError;
 use super::fill::TOLERANCE;
+use super::material::MaterialSpec;
 use super::number::{Evaluator, Number, in_range, show};
 use super::schema::{Case, ToleranceSpec};
 use super::unused::is_zero;
@@ -164,6 +165,7 @@ pub(super) fn check_inside(
 /// Writes down what the file leaves to defaults, so that a later change of a default does not
 /// change what the resolved case means.
 pub(super) fn fill_in_defaults(case: &mut Case) {
+    case.materials.values_mut().for_each(MaterialSpec::fill_in_defaults);
     let time = &mut case.time;
     let follows = ["heun", "rkl2", "tr_bdf2", MethodChoice::AUTO].contains(&time.method.as_str());
     if follows && time.step.is_none() && time.tolerance.is_none() && !is_zero(&time.end) {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::OutputField;
 use super::exact::ExactSpec;
+use super::material::MaterialSpec;
 use super::number::{Number, Point};
 use super::shape::ShapeSpec;
 use super::source::SourceSpec;
@@ -117,19 +118,8 @@ impl Default for OperatorSpec {
     }
 }
 
-/// A material of constant properties.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-pub(super) struct MaterialSpec {
-    /// Diffusivity, m2/s.
-    pub(super) diffusivity: Number,
-    /// Density, kg/m3.
-    #[serde(default = "default_density")]
-    pub(super) density: Number,
-}
-
 /// Either `value` (which may depend on x y z), everywhere or in a shape, where a later entry
-/// replaces an earlier one; or `amount`, a total of value x volume that is added to the values of
+/// replaces an earlier one; or `amount`, a total of value x volume, or an energy in J, that raises the values of
 /// the particles nearest to `at`, in equal parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object")]
@@ -245,10 +235,6 @@ pub(super) struct OutputSpec {
 /// The JSON Schema of a case file.
 pub fn schema() -> serde_json::Value {
     schemars::schema_for!(Case).to_value()
-}
-
-fn default_density() -> Number {
-    crate::model::material::DEFAULT_DENSITY.into()
 }
 
 fn default_method() -> String {

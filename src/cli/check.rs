@@ -8,7 +8,7 @@ use super::arguments::{CaseArguments, WayArguments};
 use super::{CliError, print};
 use crate::case::Scene;
 use crate::model::integrator::{Method, Schedule, Tolerance};
-use crate::model::{Problem, Surface, Wall};
+use crate::model::{Problem, Source, Surface, Wall};
 use crate::report::format::{bytes, grouped, significant, simulated_time};
 use crate::solver::{Machine, Opened, PathChoice, Step};
 use crate::study::{self, Prepared};
@@ -98,6 +98,10 @@ fn describe(
         lines.insert(3, ("walls", walls(problem)));
         lines.insert(4, ("matrix", matrix.to_owned()));
     }
+    if !problem.sources.is_empty() {
+        let place = if problem.walls.is_empty() && problem.surfaces.is_empty() { 3 } else { 4 };
+        lines.insert(place, ("sources", sources(problem)));
+    }
     let mut text = String::new();
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<11}{value}");
@@ -144,6 +148,22 @@ fn steps(problem: &Problem, step: &Step) -> [String; 2] {
             [seconds(step.taken(problem)), grouped(count)]
         }
     }
+}
+
+/// The sources of a scene in a line.
+fn sources(problem: &Problem) -> String {
+    let source = |source: &Source| {
+        let place = match &source.particles {
+            None => "everywhere".to_owned(),
+            Some(particles) => format!("on {} particles", grouped(particles.len() as u64)),
+        };
+        let linear = match source.linear.as_constant() {
+            Some(0.0) => String::new(),
+            _ => format!(" + ({}) x value", source.linear.text()),
+        };
+        format!("{}{linear} {place}", source.rate.text())
+    };
+    problem.sources.iter().map(source).collect::<Vec<_>>().join(", ")
 }
 
 /// The walls and surfaces of a scene in a line.

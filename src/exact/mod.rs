@@ -1,10 +1,12 @@
 //! Analytic solutions of dC/dt = D laplacian C, one file a family.
 
 mod annulus;
+mod contact;
 mod half_space;
 mod modes;
 mod oscillating_slab;
 mod point_source;
+mod quenched_box;
 mod side;
 mod slab;
 mod sphere;
@@ -16,9 +18,11 @@ use rayon::prelude::*;
 use crate::model::ScalarField;
 
 pub use annulus::{Annulus, AnnulusSetup};
+pub use contact::{Contact, HalfBody};
 pub use half_space::HalfSpace;
 pub use oscillating_slab::{OscillatingSlab, OscillatingSlabSetup};
 pub use point_source::PointSource;
+pub use quenched_box::QuenchedBox;
 pub use side::Side;
 pub use slab::{Slab, SlabSetup};
 pub use sphere::{Sphere, SphereSetup};
@@ -53,6 +57,10 @@ pub enum Solution {
     Sphere(Sphere),
     /// The space between two held circles.
     Annulus(Annulus),
+    /// A box whose faces are held at one value.
+    QuenchedBox(QuenchedBox),
+    /// Two bodies that touch.
+    Contact(Contact),
     /// A slab one face of which swings about a mean.
     OscillatingSlab(OscillatingSlab),
     /// An expression of the case file.
@@ -72,6 +80,8 @@ impl Solution {
             Self::HalfSpace(_) => "half_space",
             Self::Sphere(_) => "sphere",
             Self::Annulus(_) => "annulus",
+            Self::QuenchedBox(_) => "quenched_box",
+            Self::Contact(_) => "contact",
             Self::OscillatingSlab(_) => "oscillating_slab",
             Self::Expression(_) => "expression",
         }
@@ -94,6 +104,8 @@ impl Solution {
             Self::HalfSpace(solution) => solution.at(x, t),
             Self::Sphere(solution) => solution.at(x, t),
             Self::Annulus(solution) => solution.at(x, t),
+            Self::QuenchedBox(solution) => solution.at(x, t),
+            Self::Contact(solution) => solution.at(x, t),
             Self::OscillatingSlab(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }

@@ -109,6 +109,21 @@ impl Problem {
         self.materials[material].density * self.particles.volume[particle]
     }
 
+    /// Capacity rho c of a unit volume of a particle's material.
+    pub fn unit_capacity(&self, particle: usize) -> f64 {
+        self.materials[usize::from(self.particles.material[particle])].capacity
+    }
+
+    /// Capacity of a particle, rho c V: the total that is conserved is the sum of capacity x value.
+    pub fn capacity(&self, particle: usize) -> f64 {
+        self.unit_capacity(particle) * self.particles.volume[particle]
+    }
+
+    /// The capacities of all particles.
+    pub fn capacities(&self) -> Vec<f64> {
+        (0..self.particles.len()).map(|particle| self.capacity(particle)).collect()
+    }
+
     /// What walls, surfaces and sources impose, in this order: their value, flux or ambient value, and
     /// the s0 of a source. The index is what [`crate::model::operator::fold::Term::imposed`] means.
     pub fn imposed(&self) -> Vec<&ScalarField> {
@@ -118,11 +133,16 @@ impl Problem {
         conditions.map(|condition| &condition.imposed).chain(sources).collect()
     }
 
+    /// Whether a source acts on particle `particle`: on held ones none does.
+    pub fn is_fed(&self, particle: usize) -> bool {
+        self.sources.iter().any(|source| source.acts_on(particle)) && !self.is_held(particle)
+    }
+
     /// The factor s1 of particle `particle` from all its sources together, 1/s.
     pub fn linear_source(&self, particle: usize) -> f64 {
         let here = self.sources.iter().filter(|source| source.acts_on(particle));
         let x = self.particles.position[particle];
-        here.map(|source| source.linear.at(x, 0.0)).sum()
+        here.map(|source| source.linear.at(x, 0.0)).sum::<f64>() / self.unit_capacity(particle)
     }
 
     /// The largest factor -s1 by which sources damp a particle that is not held, and the largest s1 by
@@ -142,6 +162,6 @@ impl Problem {
 
     /// The largest diffusivity of any material, m2/s.
     pub fn max_diffusivity(&self) -> f64 {
-        self.materials.iter().map(|m| m.diffusivity).fold(0.0, f64::max)
+        self.materials.iter().map(Material::diffusivity).fold(0.0, f64::max)
     }
 }

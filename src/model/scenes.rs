@@ -36,7 +36,7 @@ pub(crate) fn lattice(
             volume: vec![spacing.powi(dimension as i32); n],
             material: vec![0; n],
         },
-        materials: vec![Material { name: "rock".into(), diffusivity: 1.0, density: 1000.0 }],
+        materials: vec![Material::diffusive("rock", 1.0, 1000.0)],
         kernel: Kernel::new(kind, dimension, support_ratio * spacing).expect("kernel is defined"),
         pair_mean: PairMean::Harmonic,
         correction: Correction::Moment,

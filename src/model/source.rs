@@ -2,16 +2,17 @@
 
 use super::ScalarField;
 
-/// What particles of a part of the body get a second: s0 + s1 C, beside what flows between them.
+/// What particles of a part of the body get a second and unit volume: s0 + s1 C, beside what flows
+/// between them. Where there is a heat capacity that is a power, else a change of the value.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// What messages call it, e.g. its path in the case file.
     pub name: String,
     /// The particles that get it, ascending; all of them where `None`.
     pub particles: Option<Vec<u32>>,
-    /// s0, value/s, a function of position and time.
+    /// s0, W/m3 or value/s, a function of position and time.
     pub rate: ScalarField,
-    /// s1, 1/s, a function of position. What is negative damps, what is positive grows.
+    /// s1, W/(m3 K) or 1/s, a function of position. What is negative damps, what is positive grows.
     pub linear: ScalarField,
 }
 

@@ -147,7 +147,7 @@ impl Range {
     }
 }
 
-/// The conserved total, sum of value x volume, and what became of it.
+/// The conserved total, sum of value x capacity (rho c V; V where there is only a diffusivity), and what became of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conserved {
     /// Total at t = 0.

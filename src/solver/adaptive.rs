@@ -69,6 +69,10 @@ impl<B: Backend> Adaptive<'_, B> {
             // Nothing has a size yet that an error could be compared with.
             self.integrator.propose(backend, self.time, dt)?;
             self.integrator.accept(backend)?;
+            if backend.largest_value()? == 0.0 {
+                // Nothing has come up yet.
+                self.controller.judge(dt, 0.0);
+            }
             return Ok(true);
         }
         self.integrator.aim(limit);

@@ -14,7 +14,7 @@ pub trait Backend {
     type Field: AsRef<[f64]>;
 
     /// A change of the state or a rate: one value a particle, 0 for held ones, and beside these what the
-    /// outside gave, value x volume (of a rate: a second). That follows every sum of vectors, so that
+    /// outside gave, value x capacity (of a rate: a second). That follows every sum of vectors, so that
     /// an integrator accounts for it with the accuracy of its steps.
     type Vector;
 
@@ -30,7 +30,7 @@ pub trait Backend {
     /// dC/dt of the present state at `time` (s), 1/s x the value's unit; 0 for held particles.
     fn rate(&mut self, time: f64) -> Result<Self::Field, SolverError>;
 
-    /// What held particles and walls have given to the others since the start: value x volume.
+    /// What held particles and walls have given to the others since the start: value x capacity.
     fn exchange(&mut self) -> Result<f64, SolverError>;
 
     /// Whether every value is finite.

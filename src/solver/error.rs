@@ -143,8 +143,8 @@ pub enum SolverError {
     /// Conjugate gradients that do not get to their goal.
     #[error(
         "the linear system did not converge: {:.1e} after {} iterations, where {:.1e} is asked for; \
-         likely the tolerance is below what rounding leaves, the contrast is very large, or what walls \
-         impose is not finite",
+         likely the tolerance is below what rounding leaves, the contrast is very large, a source makes the \
+         value grow, or what walls impose is not finite",
         failed.reached, failed.iterations, failed.goal
     )]
     NotConverged {
@@ -158,11 +158,11 @@ pub enum SolverError {
     NeverSteady,
     /// Flows from walls and sources that do not cancel, and nothing that takes them up.
     #[error(
-        "there is no steady state: {flow:.3e} (value x volume) a second enter through walls or from sources, \
+        "there is no steady state: {flow:.3e} (value x capacity) a second enter through walls or from sources, \
          and nothing holds a value"
     )]
     NoSteadyState {
-        /// What enters a second, value x volume.
+        /// What enters a second, value x capacity.
         flow: f64,
     },
     /// A tolerance below what the precision can give.

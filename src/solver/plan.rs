@@ -153,7 +153,7 @@ pub struct Needs {
     pub held: bool,
     /// Some axis is periodic.
     pub periodic: bool,
-    /// Particles differ in volume or diffusivity.
+    /// Particles differ in volume, conductivity or capacity.
     pub coefficients: bool,
     /// What walls, surfaces and sources ask for.
     pub walls: FoldNeeds,
@@ -165,14 +165,16 @@ impl Needs {
         let volume = &problem.particles.volume;
         let same_volume = volume.iter().all(|v| v == &volume[0]);
         let material = &problem.particles.material;
-        let diffusivity = |m: &u16| problem.materials[usize::from(*m)].diffusivity;
-        let same_diffusivity = material
-            .iter()
-            .all(|m| m == &material[0] || diffusivity(m) == diffusivity(&material[0]));
+        let flows = |m: &u16| {
+            let material = &problem.materials[usize::from(*m)];
+            (material.conductivity, material.capacity)
+        };
+        let same_flows =
+            material.iter().all(|m| m == &material[0] || flows(m) == flows(&material[0]));
         Self {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
-            coefficients: !(same_volume && same_diffusivity),
+            coefficients: !(same_volume && same_flows),
             walls: FoldNeeds::of(problem),
         }
     }
@@ -219,6 +221,21 @@ impl Plan {
         let real = self.machine.precision().bytes();
         // Start, rank, row of walls and visit of each row.
         rows * entries / (problem.particles.len() as u64).max(1) * (4 + real) + rows * 20
+    }
+
+    /// Bytes of the rows of sources: rank, diagonal, its part by sources, flow, capacity and source of each
+    /// on the CPU; two vectors, an exception and the sources on a device.
+    fn bytes_of_sources(&self, problem: &Problem) -> u64 {
+        if problem.sources.is_empty() {
+            return 0;
+        }
+        let fed = (0..problem.particles.len()).filter(|&p| problem.is_fed(p)).count() as u64;
+        let MachineKind::Gpu(precision) = self.machine else {
+            return fed * 52;
+        };
+        let is_changing = self.needs.walls == FoldNeeds::Changing;
+        let steps = if is_changing { u64::from(gpu::passes::SOURCE_STEPS) } else { 1 };
+        fed * ((8 + steps) * precision.bytes() + 16)
     }
 
     /// The passes of a run, in order.
@@ -271,7 +288,7 @@ impl Plan {
         let particles = problem.particles.len() as u64;
         let precision = self.machine.precision();
         let (real, state) = (precision.bytes(), precision.state_bytes());
-        match self.path {
+        let of_operator = match self.path {
             // Two states and the saved one; order and start, or length, of each row.
             Path::List => entries * (4 + real) + particles * (3 * state + 8),
             Path::Lattice | Path::Mixed => {
@@ -279,7 +296,8 @@ impl Plan {
                 let by_site = 3 * state + if self.reorders { 4 } else { 0 };
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
-        }
+        };
+        of_operator + self.bytes_of_sources(problem)
     }
 
     /// What a run does without.
@@ -356,9 +374,9 @@ fn leave_of_list(
     leave: &mut impl FnMut(&'static str, &str, u64),
 ) {
     if machine != MachineKind::Cpu && !needs.coefficients {
-        let why = "all particles share one volume and one diffusivity";
-        let bytes = problem.particles.len() as u64 * 2 * machine.precision().bytes();
-        leave("volume and diffusivity by particle", why, bytes);
+        let why = "all particles share one volume and one material's properties";
+        let bytes = problem.particles.len() as u64 * 4 * machine.precision().bytes();
+        leave("volume and properties by particle", why, bytes);
     }
     if !needs.periodic {
         leave("nearest images", "no axis is periodic", 0);
@@ -418,7 +436,7 @@ mod tests {
     fn a_plain_scene_leaves_everything_out() {
         let problem = lattice(KernelKind::CubicSpline, 3, [4, 4, 4], 0.5, 2.0);
         let expected = [
-            ("volume and diffusivity by particle", 512),
+            ("volume and properties by particle", 1024),
             ("nearest images", 0),
             ("wall fold", 0),
             ("exchange of held particles", 512),
@@ -469,7 +487,7 @@ mod tests {
         let mut problem = lattice(KernelKind::CubicSpline, 2, [4, 4, 1], 0.5, 2.0);
         problem.materials.push(problem.materials[0].clone());
         assert!(!Needs::of(&problem).coefficients);
-        problem.materials[1].diffusivity *= 2.0;
+        problem.materials[1].conductivity *= 2.0;
         assert!(!Needs::of(&problem).coefficients, "no particle is made of it");
         problem.particles.material[3] = 1;
         assert!(Needs::of(&problem).coefficients);

@@ -121,7 +121,7 @@ fn step(problem: &Problem) -> f64 {
 /// pi^2 D / L^2, 1/s, of the smallest and the largest diffusivity, where L is the largest extent of
 /// the domain, of which one that is periodic counts half.
 pub fn slowest_rates(problem: &Problem) -> [f64; 2] {
-    let of_material = |&m: &u16| problem.materials[usize::from(m)].diffusivity;
+    let of_material = |&m: &u16| problem.materials[usize::from(m)].diffusivity();
     let diffusivity = || problem.particles.material.iter().map(of_material);
     let extent = problem.domain.extent();
     let length = |axis: usize| match problem.domain.periodic[axis] {

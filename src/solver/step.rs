@@ -131,7 +131,9 @@ pub fn choose_step(
     let limit = if survey.symmetric {
         let found = measure();
         step.applications = found.applications;
-        *step.limits.measured.insert(2.0 / found.bound)
+        // Where everything grows, no step is too long for what decays.
+        let limit = if found.bound > 0.0 { 2.0 / found.bound } else { f64::INFINITY };
+        *step.limits.measured.insert(limit)
     } else {
         safe
     };
@@ -155,6 +157,6 @@ pub fn choose_step(
 
 /// Measures the largest eigenvalue of the assembled matrix of `problem`; `order` is the grid's.
 pub fn measure_limit(problem: &Problem, order: &[u32], rows: &Rows) -> LargestEigenvalue {
-    let volume: Vec<f64> = order.iter().map(|&p| problem.particles.volume[p as usize]).collect();
+    let volume: Vec<f64> = order.iter().map(|&p| problem.capacity(p as usize)).collect();
     largest_eigenvalue(rows, &volume)
 }

@@ -396,7 +396,8 @@ fn report(
     let particles = problem.particles.len() as u64;
     let magnitude: Vec<f64> = problem.initial.iter().map(|value| value.abs()).collect();
     let solve = measured.solving.as_secs_f64();
-    let [initial, last] = [&problem.initial, &*recorder.state].map(|state| total(state, volume));
+    let capacity = problem.capacities();
+    let [initial, last] = [&problem.initial, &*recorder.state].map(|state| total(state, &capacity));
     // No time passes on the way to a steady state: what came in where something holds a value is what the
     // change took. Bodies where nothing does keep what they have.
     let exchange = match step.method {
@@ -437,7 +438,7 @@ fn report(
         updates_per_s: (particles * measured.applications) as f64 / solve.max(f64::MIN_POSITIVE),
         memory_bytes: measured.memory_bytes,
         field: FieldRange::of(&recorder.state),
-        conserved: Conserved::new(initial, last, exchange, total(&magnitude, volume)),
+        conserved: Conserved::new(initial, last, exchange, total(&magnitude, &capacity)),
         density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
             ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))

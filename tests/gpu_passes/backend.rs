@@ -40,7 +40,7 @@ fn plain_euler(problem: &Problem, steps: usize) -> (Vec<f64>, f64) {
         }
         for a in 0..count {
             if problem.held.contains(&(a as u32)) {
-                given -= problem.particles.volume[a] * increment[a];
+                given -= problem.capacity(a) * increment[a];
             } else {
                 value[a] += increment[a];
             }
@@ -73,11 +73,11 @@ fn steps_with_held_particles_equal_plain_steps() {
             assert!((field.as_ref()[held as usize] - kept).abs() <= kept * epsilon(precision));
         }
         let exchange = backend.exchange().expect("exchange");
-        let volume: f64 = problem.particles.volume.iter().sum();
+        let volume: f64 = problem.capacities().iter().sum();
         assert!((exchange - given).abs() <= tolerance * volume);
         // What the held ones gave is what the others gained.
         let gained: f64 = (0..expected.len())
-            .map(|i| problem.particles.volume[i] * (field.as_ref()[i] - problem.initial[i]))
+            .map(|i| problem.capacity(i) * (field.as_ref()[i] - problem.initial[i]))
             .sum();
         assert!((exchange - gained).abs() <= tolerance * volume);
         // One step fewer would be noticed: in the field always, in the exchange at least in f64.

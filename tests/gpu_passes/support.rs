@@ -43,6 +43,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
+    /// Of a conductivity over three decades, and a capacity between 0.6 and 1.6.
+    fn material(&mut self) -> Material {
+        let conductivity = 1e-11 * 10_f64.powf(-3.0 * self.unit());
+        Material { conductivity, capacity: 0.6 + self.unit(), ..material(1.0) }
+    }
+
     /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
@@ -87,11 +93,11 @@ pub(crate) fn scene(
 }
 
 pub(crate) fn material(diffusivity: f64) -> Material {
-    Material { name: "m".to_owned(), diffusivity, density: 1000.0 }
+    Material::diffusive("m", diffusivity, 1000.0)
 }
 
 /// A jittered lattice of `side` particles along each axis, periodic along x, with random fields,
-/// volumes and diffusivities of contrast 1e3. SI units of a rock: extreme numbers for f32.
+/// volumes, capacities and conductivities of contrast 1e3. SI units of a rock: extreme numbers for f32.
 pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) -> Problem {
     let mut random = Random(7 + dimension as u64);
     let spacing = 1e-6;
@@ -112,8 +118,7 @@ pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) ->
     let domain = Domain { min: DVec3::ZERO, max, periodic: [true, false, false] };
     let mut problem = scene(kind, 2.0 * spacing, domain, dimension, position);
     let volume = spacing.powi(dimension as i32);
-    problem.materials =
-        (0..10).map(|_| material(1e-11 * 10_f64.powf(-3.0 * random.unit()))).collect();
+    problem.materials = (0..10).map(|_| random.material()).collect();
     for i in 0..problem.particles.len() {
         problem.particles.volume[i] = volume * (0.8 + 0.4 * random.unit());
         problem.particles.material[i] = (random.next() % 10) as u16;
@@ -122,8 +127,8 @@ pub(crate) fn random_lattice(kind: KernelKind, dimension: usize, side: usize) ->
     problem
 }
 
-/// Roundings of a term at most, each worth one epsilon of the term: pair mean 6, volume and scale
-/// 2, field difference 1, and 16 of the kernel, which rounding of the offsets moves as well.
+/// Roundings of a term at most, each worth one epsilon of the term: pair mean 6, volume, capacity and scale
+/// 3, field difference 1, and 16 of the kernel, which rounding of the offsets moves as well.
 const ROUNDINGS_OF_A_TERM: f64 = 32.0;
 
 /// The rate of every particle in f64, and the tolerance of its sum where terms and additions are

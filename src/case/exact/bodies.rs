@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::setting::{Setting, undetermined};
 use crate::case::error::CaseError;
+use crate::case::material::material_by_name;
 use crate::case::number::{Number, Point, in_range};
 use crate::case::schema::Axis;
 use crate::case::wall::{ConvectionSpec, WallKindSpec};
@@ -13,6 +14,7 @@ use crate::exact::{
     Annulus, AnnulusSetup, HalfSpace, OscillatingSlab, OscillatingSlabSetup, Side, Slab, SlabSetup,
     Sphere, SphereSetup,
 };
+use crate::exact::{Contact, HalfBody, QuenchedBox};
 use crate::model::{Face, Wall, WallKind};
 
 /// A slab between two plane faces, from a uniform initial value.
@@ -102,6 +104,75 @@ pub(in crate::case) struct OscillatingSlabSpec {
     initial: Number,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     diffusivity: Option<Number>,
+}
+
+/// A box from a uniform initial value, whose faces are held at one value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(in crate::case) struct QuenchedBoxSpec {
+    /// Lower corner; the domain's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    min: Option<Point>,
+    /// Upper corner; the domain's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    max: Option<Point>,
+    /// Value of the faces across every axis that is not periodic.
+    wall: Number,
+    initial: Number,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    diffusivity: Option<Number>,
+}
+
+/// Two bodies that touch in a plane, each from a uniform initial value and so long that its far end
+/// notices nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(in crate::case) struct ContactSpec {
+    axis: Axis,
+    /// Coordinate of the plane, m.
+    at: Number,
+    /// The body below it.
+    below: HalfBodySpec,
+    /// The body above it.
+    above: HalfBodySpec,
+}
+
+/// One of two bodies that touch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct HalfBodySpec {
+    /// Name of a material.
+    material: String,
+    initial: Number,
+}
+
+impl QuenchedBoxSpec {
+    pub(super) fn resolve(&self, setting: &Setting<'_>) -> Result<QuenchedBox, CaseError> {
+        let walls = setting.walls(&self.min, &self.max, &self.diffusivity)?;
+        let is_open = |axis: &usize| !setting.domain.periodic[*axis];
+        let axes: Vec<usize> = (0..walls.dimension).filter(is_open).collect();
+        let values = [setting.given("wall", &self.wall)?, setting.given("initial", &self.initial)?];
+        Ok(QuenchedBox::new(&axes, [walls.min, walls.max], values, walls.diffusivity))
+    }
+}
+
+impl ContactSpec {
+    pub(super) fn resolve(&self, setting: &Setting<'_>) -> Result<Contact, CaseError> {
+        let body = |key: &str, spec: &HalfBodySpec| -> Result<HalfBody, CaseError> {
+            let path = format!("exact.{key}.material");
+            let material = material_by_name(&path, &spec.material, setting.materials)?;
+            Ok(HalfBody {
+                initial: setting.given(&format!("{key}.initial"), &spec.initial)?,
+                conductivity: material.conductivity,
+                capacity: material.capacity,
+            })
+        };
+        Ok(Contact {
+            axis: setting.axis(self.axis)?,
+            at: setting.given("at", &self.at)?,
+            bodies: [body("below", &self.below)?, body("above", &self.above)?],
+        })
+    }
 }
 
 impl SlabSpec {
@@ -221,11 +292,12 @@ fn side(setting: &Setting<'_>, key: &str, kind: &WallKindSpec) -> Result<Side, C
     Ok(match kind {
         WallKindSpec::Free | WallKindSpec::Insulated => Side::INSULATED,
         WallKindSpec::Value(value) => Side::Value(given("value", value)?),
-        WallKindSpec::Flux(flux) => Side::Flux(given("flux", flux)?),
+        WallKindSpec::Flux(flux) => Side::Flux(given("flux", flux)? / setting.capacity()?),
         WallKindSpec::Convection(ConvectionSpec { coefficient, ambient }) => {
             let path = format!("exact.{key}.convection.coefficient");
             Side::Convection {
-                coefficient: setting.evaluator.not_negative(&path, coefficient)?,
+                coefficient: setting.evaluator.not_negative(&path, coefficient)?
+                    / setting.capacity()?,
                 ambient: given("convection.ambient", ambient)?,
             }
         }
@@ -262,9 +334,9 @@ fn side_of_wall(setting: &Setting<'_>, key: &str, face: Face) -> Result<Side, Ca
     Ok(match condition.kind {
         WallKind::Free | WallKind::Insulated => Side::INSULATED,
         WallKind::Value => Side::Value(imposed),
-        WallKind::Flux => Side::Flux(imposed),
+        WallKind::Flux => Side::Flux(imposed / setting.capacity()?),
         WallKind::Convection => {
-            let coefficient = condition.coefficient.at(DVec3::ZERO, 0.0);
+            let coefficient = condition.coefficient.at(DVec3::ZERO, 0.0) / setting.capacity()?;
             Side::Convection { coefficient, ambient: imposed }
         }
     })

@@ -58,7 +58,7 @@ impl Setting<'_> {
     pub(super) fn diffusivity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
         match (number, self.materials) {
             (Some(number), _) => self.evaluator.positive("exact.diffusivity", number),
-            (None, [material]) => Ok(material.diffusivity),
+            (None, [material]) => Ok(material.diffusivity()),
             (None, materials) => Err(undetermined(
                 "diffusivity",
                 format!("the case has {} materials", materials.len()),
@@ -66,6 +66,17 @@ impl Setting<'_> {
         }
     }
 
+    /// Capacity rho c of a unit volume, 1 where there is only a diffusivity.
+    pub(super) fn capacity(&self) -> Result<f64, CaseError> {
+        let mut capacities = self.materials.iter().map(|material| material.capacity);
+        let first = capacities.next().unwrap_or(1.0);
+        match capacities.all(|other| other == first) {
+            true => Ok(first),
+            false => Err(undetermined("capacity", "the materials differ in it".to_owned())),
+        }
+    }
+
+    /// What was deposited over the capacity of a unit volume, and where.
     pub(super) fn deposit(
         &self,
         amount: &Option<Number>,
@@ -87,7 +98,7 @@ impl Setting<'_> {
             (None, Some((_, at))) => at,
             (None, None) => return Err(unknown("at")),
         };
-        Ok((amount, at))
+        Ok((amount / self.capacity()?, at))
     }
 
     pub(super) fn walls(

@@ -11,7 +11,7 @@ const BAD: &[(&[&str], &str)] = &[
     (
         &["materials.rock.diffusivty=1"],
         "materials.rock.diffusivty: unknown key; did you mean \"diffusivity\"? \
-         (known: diffusivity, density)",
+         (known: diffusivity, conductivity, density, heat_capacity)",
     ),
     (&["titel=a"], "titel: unknown key; did you mean \"title\"?"),
     (&["title=null"], "title: "),

@@ -20,7 +20,7 @@ fn the_base_case_is_what_it_says() {
     assert_eq!((problem.initial[8], problem.initial[9]), (3.0, 1.0));
     assert_eq!(problem.domain.max, DVec3::new(4.0, 2.0, 0.0));
     assert_eq!(problem.kernel.support_radius(), 1.0);
-    assert_eq!(problem.materials[0].diffusivity, 15.0 / 31_536_000.0);
+    assert_eq!(problem.materials[0].conductivity, 15.0 / 31_536_000.0);
     assert_eq!(problem.materials[0].density, 1000.0);
     assert_eq!(problem.pair_mean, PairMean::Harmonic);
     assert_eq!(problem.correction, Correction::Moment);

@@ -82,6 +82,7 @@ fn every_shipped_case_loads_and_repeats_from_its_resolved_form() {
             "annulus_steady",
             "constant",
             "constant_column",
+            "contact",
             "cooling_plate",
             "density",
             "fin",
@@ -90,9 +91,12 @@ fn every_shipped_case_loads_and_repeats_from_its_resolved_form() {
             "gaussian",
             "gaussian_small",
             "heated_plate",
+            "hot_inclusion",
             "patches",
+            "rod",
             "sphere_convection",
             "sphere_cooling",
+            "square",
             "swinging_bar"
         ]
     );
@@ -141,7 +145,7 @@ fn layers_are_held_on_either_side() {
         assert_eq!(problem.time.step, StepChoice::Given(225.0));
         assert_eq!(problem.time.end / 225.0, 280_320.0);
         assert_eq!(problem.correction, Correction::None);
-        assert_eq!(problem.materials[0].diffusivity, 1875.0 / YEAR);
+        assert_eq!(problem.materials[0].conductivity, 1875.0 / YEAR);
     }
 }
 

@@ -19,7 +19,7 @@ pub(in crate::case) enum WallKindSpec {
     Insulated,
     /// The value at the wall, which may depend on x y z t.
     Value(Number),
-    /// The flux into the body, value x m/s, which may depend on x y z t.
+    /// The flux into the body, value x m/s or W/m2, which may depend on x y z t.
     Flux(Number),
     /// The flux coefficient x (ambient - value at the wall) into the body.
     Convection(ConvectionSpec),
@@ -29,7 +29,7 @@ pub(in crate::case) enum WallKindSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object")]
 pub(in crate::case) struct ConvectionSpec {
-    /// Transfer coefficient, m/s, zero or positive, which may depend on x y z.
+    /// Transfer coefficient, m/s or W/(m2 K), zero or positive, which may depend on x y z.
     pub(in crate::case) coefficient: Number,
     /// Value of the ambient, which may depend on x y z t.
     pub(in crate::case) ambient: Number,
@@ -116,7 +116,7 @@ pub(super) fn surface_kinds(generator: &mut SchemaGenerator) -> Schema {
         })
     };
     json_schema!({
-        "description": "A flux into the body, value x m/s, or exchange with an ambient.",
+        "description": "A flux into the body, value x m/s or W/m2, or exchange with an ambient.",
         "oneOf": [
             of_one_key("flux", generator.subschema_for::<Number>()),
             of_one_key("convection", generator.subschema_for::<ConvectionSpec>())

@@ -61,7 +61,11 @@ impl MixedScene {
         }
         check_volume(problem)?;
         let walls = FoldNeeds::of(problem);
-        let allowed = if walls == FoldNeeds::None { ON_SITE } else { ON_SITE_BY_WALLS };
+        let allowed = if FoldNeeds::of_walls(problem) == FoldNeeds::None {
+            ON_SITE
+        } else {
+            ON_SITE_BY_WALLS
+        };
         let order = order(problem, counts, allowed)?;
         let weight = PairWeight::new(problem);
         let base = fastest(problem);
@@ -78,9 +82,9 @@ impl MixedScene {
         };
         let kinds = kinds(problem, &lattice);
         let regular = regular(problem, &lattice, &kinds, &near);
-        let is_fed = |particle| problem.sources.iter().any(|source| source.acts_on(particle));
-        let has_sources =
-            |at, particle| walls >= FoldNeeds::Steady && (near.wall(at) || is_fed(particle));
+        let has_sources = |at, particle| {
+            walls >= FoldNeeds::Steady && (near.wall(at) || problem.is_fed(particle))
+        };
         let mut scene = Self {
             lattice,
             ratios: Vec::new(),
@@ -186,7 +190,7 @@ impl MixedScene {
 /// A particle of the largest diffusivity.
 fn fastest(problem: &Problem) -> usize {
     let diffusivity =
-        |a: usize| problem.materials[usize::from(problem.particles.material[a])].diffusivity;
+        |a: usize| problem.materials[usize::from(problem.particles.material[a])].diffusivity();
     let larger = |a: usize, b: usize| if diffusivity(b) > diffusivity(a) { b } else { a };
     (1..problem.particles.len()).fold(0, larger)
 }
@@ -210,7 +214,7 @@ impl Known {
             let places = 0..lattice.counts[axis];
             places.map(|place| lattice.kind_of_place(axis, place)).collect()
         };
-        let base = problem.materials[usize::from(problem.particles.material[base])].diffusivity;
+        let base = problem.materials[usize::from(problem.particles.material[base])].diffusivity();
         let place = [0, 1, 2].map(kind);
         Self { alike: Vec::new(), index: HashMap::new(), last: None, place, base }
     }
@@ -229,7 +233,7 @@ impl Known {
             Some((last, index)) if last == key => index,
             _ => *self.index.entry(key).or_insert_with(|| {
                 let mass = problem.mass(lattice.particle(site));
-                let ratio = problem.materials[usize::from(kind)].diffusivity / self.base;
+                let ratio = problem.materials[usize::from(kind)].diffusivity() / self.base;
                 self.alike.push(Alike { at, count: 0, free: true, mass, ratio });
                 self.alike.len() - 1
             }),

@@ -48,11 +48,14 @@ impl Ends {
     }
 }
 
-/// Whether particles differ in diffusivity.
+/// Whether particles differ in conductivity or capacity.
 fn has_several(problem: &Problem) -> bool {
-    let diffusivity = |m: &u16| problem.materials[usize::from(*m)].diffusivity;
-    let first = problem.particles.material.first().map(diffusivity);
-    !problem.particles.material.par_iter().all(|m| Some(diffusivity(m)) == first)
+    let flows = |m: &u16| {
+        let material = &problem.materials[usize::from(*m)];
+        (material.conductivity, material.capacity)
+    };
+    let first = problem.particles.material.first().map(flows);
+    !problem.particles.material.par_iter().all(|m| Some(flows(m)) == first)
 }
 
 /// The sites near faces.
@@ -97,7 +100,7 @@ impl Near {
 pub(super) fn kinds(problem: &Problem, lattice: &LatticeScene) -> Vec<u16> {
     let properties = |m: u16| {
         let material = &problem.materials[usize::from(m)];
-        (material.diffusivity, material.density)
+        (material.conductivity, material.capacity, material.density)
     };
     let count = problem.materials.len() as u16;
     let same = |m: u16| (0..m).find(|&other| properties(other) == properties(m)).unwrap_or(m);

@@ -71,7 +71,7 @@ impl LatticeScene {
         if !problem.surfaces.is_empty() {
             return Err("a surface that is no face of the domain acts on it");
         }
-        let allowed = match FoldNeeds::of(problem) {
+        let allowed = match FoldNeeds::of_walls(problem) {
             FoldNeeds::None | FoldNeeds::Insulated => ON_SITE,
             FoldNeeds::Steady | FoldNeeds::Changing => ON_SITE_BY_WALLS,
         };
@@ -181,11 +181,11 @@ fn check_material(problem: &Problem) -> Result<(), &'static str> {
     let particles = &problem.particles;
     let properties = |&m: &u16| {
         let material = &problem.materials[usize::from(m)];
-        (material.diffusivity, material.density)
+        (material.conductivity, material.capacity, material.density)
     };
     let first = particles.material.first().map(properties);
     if !particles.material.par_iter().all(|m| Some(properties(m)) == first) {
-        return Err("particles differ in diffusivity or density");
+        return Err("particles differ in conductivity, capacity or density");
     }
     Ok(())
 }

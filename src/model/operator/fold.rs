@@ -122,11 +122,7 @@ impl<'a> Fold<'a> {
     /// Whether a ghost or a surface may be within the support of particle `a`, or a source acts on it.
     pub fn reaches(&self, a: usize) -> bool {
         let x = self.problem.particles.position[a];
-        self.mirrors.reach(x) || self.surfaces.reach(x) || self.is_fed(a)
-    }
-
-    fn is_fed(&self, a: usize) -> bool {
-        self.problem.sources.iter().any(|source| source.acts_on(a))
+        self.mirrors.reach(x) || self.surfaces.reach(x) || self.problem.is_fed(a)
     }
 
     /// Writes what row `a` gets into `row`. `neighbors` are all particles within its support, as
@@ -140,7 +136,7 @@ impl<'a> Fold<'a> {
     ) -> bool {
         let x = self.problem.particles.position[a];
         let (by_mirrors, by_surfaces) = (self.mirrors.reach(x), self.surfaces.reach(x));
-        let is_fed = self.is_fed(a);
+        let is_fed = self.problem.is_fed(a);
         if by_mirrors || by_surfaces || is_fed {
             row.clear(neighbors.len());
         }
@@ -161,10 +157,11 @@ impl<'a> Fold<'a> {
         let Problem { walls, surfaces, sources, .. } = self.problem;
         let x = self.problem.particles.position[a];
         let first = walls.len() + surfaces.len();
+        let capacity = self.problem.unit_capacity(a);
         for (k, source) in sources.iter().enumerate().filter(|(_, source)| source.acts_on(a)) {
             row.acts = true;
-            row.linear += source.linear.at(x, 0.0);
-            row.add_field(&source.rate, first + k, x, 1.0);
+            row.linear += source.linear.at(x, 0.0) / capacity;
+            row.add_field(&source.rate, first + k, x, 1.0 / capacity);
         }
     }
 }

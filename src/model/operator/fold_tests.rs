@@ -196,7 +196,7 @@ fn a_flux_enters_in_full_in_every_scene_materials_and_correction_included() {
             for pair_mean in PairMean::ALL {
                 let scene = walled(kernel, dimension, support_ratio, WallKind::Insulated);
                 let mut problem = Problem { correction, pair_mean, ..scene };
-                let fast = Material { name: "b".into(), diffusivity: 50.0, density: 1.0 };
+                let fast = Material::diffusive("b", 50.0, 1.0);
                 problem.materials.push(fast);
                 let odd = |(k, m): (usize, &mut u16)| *m = u16::from(k % 3 == 0);
                 problem.particles.material.iter_mut().enumerate().for_each(odd);
@@ -230,7 +230,7 @@ fn patchwork(kernel: KernelKind, support_ratio: f64, kinds: &[WallKind]) -> Prob
         }
     }
     problem.held = vec![0, 1, 8, 9, 33];
-    problem.materials.push(Material { name: "b".into(), diffusivity: 20.0, density: 1.0 });
+    problem.materials.push(Material::diffusive("b", 20.0, 1.0));
     problem.particles.material[20..40].fill(1);
     problem
 }

@@ -263,8 +263,7 @@ impl Part {
 
     fn add_wall_row(&mut self, problem: &Problem, row: &Row<'_>) {
         if let Some(fold) = row.fold {
-            let volume = problem.particles.volume[row.a];
-            self.walls.add(row.rank as u32, volume, row.held, fold);
+            self.walls.add(row.rank as u32, problem.capacity(row.a), row.held, fold);
         }
     }
 }
@@ -334,7 +333,7 @@ impl Rows {
 
     /// `out[a] = combine(state[a], rate_a)` for every row, in parallel, with
     /// rate_a = sum_b w_ab (C_b - C_a), 1/s x the unit of `state`, and in the rows of
-    /// [`Rows::walls`] their diagonal x C_a + `source`; 0 for held particles. Both fields are in
+    /// [`Rows::sources`] their diagonal x C_a + `source`; 0 for held particles. Both fields are in
     /// cell order. An empty `source` stands for zeros: the matrix alone.
     ///
     /// # Panics

@@ -18,12 +18,12 @@ fn rates(problem: &Problem, state: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The rate by the report's formula (109) or (107), pair by pair, and the sum of its terms'
+/// The rate by the report's formula (109) or (107) over rho c, pair by pair, and the sum of its terms'
 /// magnitudes.
 fn direct(problem: &Problem, state: &[f64]) -> Vec<(f64, f64)> {
     let particles = &problem.particles;
     let moment = problem.correction.moment(&problem.kernel, problem.spacing);
-    let d = |i: usize| problem.materials[usize::from(particles.material[i])].diffusivity;
+    let k = |i: usize| problem.materials[usize::from(particles.material[i])].conductivity;
     let mean = |a: f64, b: f64| match problem.pair_mean {
         PairMean::Harmonic => 4.0 * a * b / (a + b),
         PairMean::Arithmetic => a + b,
@@ -35,13 +35,14 @@ fn direct(problem: &Problem, state: &[f64]) -> Vec<(f64, f64)> {
             return 0.0;
         }
         let f = problem.kernel.dw_over_r(dist) / moment;
-        particles.volume[b] * mean(d(a), d(b)) * (state[a] - state[b]) * f
+        let flow = particles.volume[b] * mean(k(a), k(b)) * (state[a] - state[b]) * f;
+        flow / problem.unit_capacity(a)
     };
     let row = |a: usize| (0..state.len()).map(move |b| term(a, b));
     (0..state.len()).map(|a| (row(a).sum(), row(a).map(f64::abs).sum())).collect()
 }
 
-/// A lattice with random values and random D over three decades.
+/// A lattice with random values, random k over three decades and random rho c over two.
 fn random_scene(kind: KernelKind, dimension: usize) -> (Problem, Vec<f64>) {
     let counts = [[40, 1, 1], [9, 8, 1], [6, 7, 6]][dimension - 1];
     let mut problem = lattice(kind, dimension, counts, 0.5, 2.6);
@@ -49,7 +50,8 @@ fn random_scene(kind: KernelKind, dimension: usize) -> (Problem, Vec<f64>) {
     problem.materials = (0..8)
         .map(|i| Material {
             name: i.to_string(),
-            diffusivity: 1e-3 * 10_f64.powf(3.0 * noise.next()),
+            conductivity: 1e-3 * 10_f64.powf(3.0 * noise.next()),
+            capacity: 10_f64.powf(2.0 * noise.next()),
             density: 1000.0,
         })
         .collect();
@@ -82,7 +84,7 @@ fn rows_equal_the_formula_for_every_kernel_mean_and_correction() {
 fn one_changed_coefficient_is_noticed() {
     let (mut problem, state) = random_scene(KernelKind::CubicSpline, 2);
     let exact = direct(&problem, &state);
-    problem.materials[3].diffusivity *= 1.0 + 1e-9;
+    problem.materials[3].conductivity *= 1.0 + 1e-9;
     let found = rates(&problem, &state);
     let worst = found.iter().zip(exact).map(|(r, (e, size))| (r - e).abs() / size.max(1e-300));
     assert!(worst.fold(0.0, f64::max) > 64.0 * f64::EPSILON);
@@ -94,8 +96,8 @@ fn constants_have_no_rate_and_the_total_is_kept() {
         let (problem, state) = random_scene(kind, 1);
         assert!(rates(&problem, &vec![7.25; state.len()]).iter().all(|&r| r == 0.0));
         let rate = rates(&problem, &state);
-        let sum: f64 = rate.iter().zip(&problem.particles.volume).map(|(r, v)| r * v).sum();
-        let size: f64 = rate.iter().zip(&problem.particles.volume).map(|(r, v)| r.abs() * v).sum();
+        let sum: f64 = rate.iter().zip(&problem.capacities()).map(|(r, v)| r * v).sum();
+        let size: f64 = rate.iter().zip(&problem.capacities()).map(|(r, v)| r.abs() * v).sum();
         assert!(sum.abs() < 64.0 * f64::EPSILON * size, "{kind:?} loses {sum:e} of {size:e}");
     }
 }
@@ -148,7 +150,7 @@ fn density_has_the_reports_values() {
 fn harmonic_layers_are_exact_at_two_spacings() {
     // The steady flux through two layers of D = 1 | 1e-3 is the same in both.
     let mut problem = lattice(KernelKind::CubicSpline, 1, [20, 1, 1], 0.05, 2.0);
-    problem.materials.push(Material { name: "slow".into(), diffusivity: 1e-3, density: 1.0 });
+    problem.materials.push(Material::diffusive("slow", 1e-3, 1.0));
     problem.particles.material[10..].fill(1);
     // Slopes 1 and 1000 with the kink at the interface, x = 0.5.
     let steady = |x: f64| if x < 0.5 { x } else { 0.5 + 1000.0 * (x - 0.5) };

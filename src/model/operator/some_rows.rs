@@ -41,6 +41,8 @@ pub struct SomeRows {
     first: Vec<usize>,
     held: RowBlock,
     held_rank: Vec<u32>,
+    /// Capacity of each held particle.
+    held_capacity: Vec<f64>,
     walls: SourceRows,
     /// Which row of walls belongs to each row.
     wall_row: Vec<u32>,
@@ -90,6 +92,8 @@ impl SomeRows {
             walls.append(part.walls);
         }
         rows.walls = walls.finish(problem);
+        let capacity = |&rank: &u32| problem.capacity(order[rank as usize] as usize);
+        rows.held_capacity = rows.held_rank.iter().map(capacity).collect();
         let walls = rows.walls.rank();
         let wall_row = |rank: &u32| walls.binary_search(rank).map_or(NONE, |row| row as u32);
         rows.wall_row = rows.rank.iter().map(wall_row).collect();
@@ -136,15 +140,19 @@ impl SomeRows {
         self.walls.diagonal()[wall] * own + source.get(wall).copied().unwrap_or(0.0)
     }
 
-    /// What the held particles with ranks in `ranks` would gain a second from those that are not.
+    /// What the held particles with ranks in `ranks` would gain a second from those that are not, capacity x
+    /// value.
     ///
     /// # Panics
     /// If `state` has another length than there are ranks.
     pub fn held_rate(&self, ranks: &Range<usize>, state: &[f64]) -> f64 {
         assert_eq!(state.len(), self.count, "one value a rank");
         let held = within(&self.held_rank, ranks);
-        held.map(|row| self.held.rate::<false>(row, state[self.held_rank[row] as usize], state))
-            .sum()
+        held.map(|row| {
+            let own = state[self.held_rank[row] as usize];
+            self.held_capacity[row] * self.held.rate::<false>(row, own, state)
+        })
+        .sum()
     }
 
     /// Bytes that the rows hold.
@@ -152,7 +160,7 @@ impl SomeRows {
         let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
         let ranks =
             [&self.rank, &self.held_rank, &self.wall_row].map(|ranks| size_of_val(&**ranks));
-        let first = size_of_val(&*self.first);
+        let first = size_of_val(&*self.first) + size_of_val(&*self.held_capacity);
         let ranks: usize = ranks.iter().sum();
         blocks + self.held.memory_bytes() + ranks + first + self.walls.memory_bytes()
     }

@@ -1,11 +1,16 @@
 //! The rows to which walls and sources add more than weights: a diagonal and a source.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::fold::{RowFold, Term};
 use crate::model::{Condition, Problem, ScalarField, Source, WallKind};
+
+/// Rows that one parallel task works on.
+const CHUNK: usize = 1 << 13;
 
 /// What walls, surfaces and sources ask of a run, each kind more than the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -23,6 +28,15 @@ pub enum FoldNeeds {
 impl FoldNeeds {
     /// What the walls, surfaces and sources of `problem` ask for.
     pub fn of(problem: &Problem) -> Self {
+        let of_source = |source: &Source| match source.rate.depends_on_time() {
+            true => Self::Changing,
+            false => Self::Steady,
+        };
+        problem.sources.iter().map(of_source).fold(Self::of_walls(problem), Self::max)
+    }
+
+    /// What the walls and surfaces ask for.
+    pub fn of_walls(problem: &Problem) -> Self {
         let walls = problem.walls.iter().map(|wall| &wall.condition);
         let surfaces = problem.surfaces.iter().map(|surface| &surface.condition);
         let of_condition = |condition: &Condition| match condition.kind {
@@ -31,12 +45,7 @@ impl FoldNeeds {
             _ if condition.imposed.depends_on_time() => Self::Changing,
             _ => Self::Steady,
         };
-        let of_source = |source: &Source| match source.rate.depends_on_time() {
-            true => Self::Changing,
-            false => Self::Steady,
-        };
-        let sources = problem.sources.iter().map(of_source);
-        walls.chain(surfaces).map(of_condition).chain(sources).max().unwrap_or(Self::None)
+        walls.chain(surfaces).map(of_condition).max().unwrap_or(Self::None)
     }
 }
 
@@ -44,7 +53,7 @@ impl FoldNeeds {
 ///
 /// Row k of these belongs to rank `rank[k]` of the matrix. Its rate gets
 /// `diagonal[k] C + source`, and what enters the body is the sum over k of
-/// `volume[k] (flow[k] C + source)`; both are 0 for held particles but for the flow.
+/// `capacity[k] (flow[k] C + source)`; both are 0 for held particles but for the flow.
 #[derive(Clone, Debug, Default)]
 pub struct SourceRows {
     rank: Vec<u32>,
@@ -52,7 +61,7 @@ pub struct SourceRows {
     /// The part of the diagonal that is of sources; empty where none is in proportion to the value.
     linear: Vec<f64>,
     flow: Vec<f64>,
-    volume: Vec<f64>,
+    capacity: Vec<f64>,
     source: RowSources,
 }
 
@@ -80,8 +89,8 @@ pub(super) struct SourceRowsBuilder {
 }
 
 impl SourceRowsBuilder {
-    /// Takes the row at `rank`, of a particle of this volume, if anything but insulation acts.
-    pub(super) fn add(&mut self, rank: u32, volume: f64, held: bool, fold: &RowFold) {
+    /// Takes the row at `rank`, of a particle of this capacity, if anything but insulation acts.
+    pub(super) fn add(&mut self, rank: u32, capacity: f64, held: bool, fold: &RowFold) {
         if !fold.acts || (held && fold.skew == 0.0) {
             return;
         }
@@ -89,7 +98,7 @@ impl SourceRowsBuilder {
         // The value of a held particle does not change: nothing is added to it.
         let live = if held { 0.0 } else { 1.0 };
         self.rows.rank.push(rank);
-        self.rows.volume.push(volume);
+        self.rows.capacity.push(capacity);
         let diagonal = live * (fold.diagonal + fold.linear);
         self.rows.diagonal.push(diagonal);
         self.rows.flow.push(diagonal + fold.skew);
@@ -104,7 +113,7 @@ impl SourceRowsBuilder {
     pub(super) fn append(&mut self, other: Self) {
         let base = self.rows.rank.len() as u32;
         self.rows.rank.extend(other.rows.rank);
-        self.rows.volume.extend(other.rows.volume);
+        self.rows.capacity.extend(other.rows.capacity);
         self.rows.diagonal.extend(other.rows.diagonal);
         self.rows.linear.extend(other.rows.linear);
         self.rows.flow.extend(other.rows.flow);
@@ -158,7 +167,7 @@ impl SourceRows {
             diagonal: taken(&self.diagonal),
             linear: taken(&self.linear),
             flow: taken(&self.flow),
-            volume: taken(&self.volume),
+            capacity: taken(&self.capacity),
             source: RowSources {
                 fixed: taken(fixed),
                 points: points.clone(),
@@ -206,9 +215,9 @@ impl SourceRows {
         &self.flow
     }
 
-    /// Volume of each row's particle.
-    pub fn volume(&self) -> &[f64] {
-        &self.volume
+    /// Capacity rho c V of each row's particle.
+    pub fn capacity(&self) -> &[f64] {
+        &self.capacity
     }
 
     /// Whether a source changes in time.
@@ -220,21 +229,31 @@ impl SourceRows {
     pub fn source_at(&self, t: f64, source: &mut Vec<f64>) {
         source.clone_from(&self.source.fixed);
         let at_point = |point: &Point| point.imposed.at(point.at, t);
-        let values: Vec<f64> = self.source.points.iter().map(at_point).collect();
+        let values: Vec<f64> =
+            self.source.points.par_iter().with_min_len(CHUNK).map(at_point).collect();
         for &(row, point, coefficient) in &self.source.terms {
             source[row as usize] += coefficient * values[point as usize];
         }
     }
 
-    /// What enters the body through walls and from sources, value x volume a second, with values `state`
+    /// What enters the body through walls and from sources, value x capacity a second, with values `state`
     /// by rank; no source is none at all.
     pub fn inflow(&self, state: &[f64], source: Option<&[f64]>) -> f64 {
-        let rows = self.rank.iter().zip(&self.volume).zip(&self.flow).enumerate();
-        let source = |row: usize| source.map_or(0.0, |source| source[row]);
-        rows.map(|(row, ((&rank, volume), flow))| {
-            volume * (flow * state[rank as usize] + source(row))
-        })
-        .sum()
+        let of_chunk = |rows: Range<usize>| -> f64 {
+            let of_row = |row: usize| {
+                let source = source.map_or(0.0, |source| source[row]);
+                self.capacity[row] * (self.flow[row] * state[self.rank[row] as usize] + source)
+            };
+            rows.map(of_row).sum()
+        };
+        let count = self.len();
+        if count <= CHUNK {
+            return of_chunk(0..count);
+        }
+        let starts: Vec<usize> = (0..count).step_by(CHUNK).collect();
+        let of_start = |&start: &usize| of_chunk(start..(start + CHUNK).min(count));
+        let sums: Vec<f64> = starts.par_iter().map(of_start).collect();
+        sums.iter().sum()
     }
 
     /// The rows from `rank` on, one after another.

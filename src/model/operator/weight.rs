@@ -40,8 +40,8 @@ pub struct PairWeight<'a> {
     /// w'(q) / q of the kernel.
     shape: fn(f64) -> f64,
     inverse_radius: f64,
-    /// kbar sigma / H^(dim + 2) / moment of each pair of materials, row by row: computed once, so
-    /// that no pair divides.
+    /// kbar sigma / H^(dim + 2) / moment / rho_a c_a of each pair of materials, row by row: computed
+    /// once, so that no pair divides.
     factor: Vec<f64>,
     /// Conductivity of each pair of materials as the operator conducts it.
     conductivity: Vec<f64>,
@@ -60,12 +60,13 @@ impl<'a> PairWeight<'a> {
         let materials = &problem.materials;
         let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (a, b)));
         let mean: Vec<f64> =
-            pairs.map(|(a, b)| problem.pair_mean.of(a.diffusivity, b.diffusivity)).collect();
+            pairs.map(|(a, b)| problem.pair_mean.of(a.conductivity, b.conductivity)).collect();
+        let own = materials.iter().flat_map(|a| materials.iter().map(|_| a.capacity));
         Self {
             particles: &problem.particles,
             shape: kernel.kind().definition().shape_dw_over_r,
             inverse_radius: 1.0 / kernel.support_radius(),
-            factor: mean.iter().map(|mean| mean * scale).collect(),
+            factor: mean.iter().zip(own).map(|(mean, own)| mean * scale / own).collect(),
             conductivity: mean.iter().map(|mean| 0.5 * mean * lattice_ratio / moment).collect(),
             materials: materials.len(),
             lattice_ratio,

@@ -34,7 +34,7 @@ fn known_eigenvalues_of_a_held_chain() {
     problem.held = vec![0, 11];
     let exact = 4.0 * (10.0 * std::f64::consts::PI / 22.0).sin().powi(2);
     assert!((2.0 / limit(&problem) / exact - 1.0).abs() < 1e-9);
-    problem.materials[0].diffusivity = 1.01;
+    problem.materials[0].conductivity = 1.01;
     assert!((2.0 / limit(&problem) / exact - 1.0).abs() > 5e-3, "a changed D must be noticed");
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::CHUNK;
-use super::vector::Volumes;
+use super::vector::Capacities;
 
 /// Which places belong together.
 #[derive(Debug, Default)]
@@ -35,10 +35,10 @@ impl Aggregates {
     }
 
     /// `out` = the sum of V x over each, in an order that does not depend on the number of threads.
-    pub(super) fn restrict(&self, x: &[f64], volumes: &Volumes, out: &mut [f64]) {
+    pub(super) fn restrict(&self, x: &[f64], capacities: &Capacities, out: &mut [f64]) {
         out.par_iter_mut().enumerate().for_each(|(k, out)| {
             let places = &self.places[self.start[k] as usize..self.start[k + 1] as usize];
-            *out = volumes.sum(x, places);
+            *out = capacities.sum(x, places);
         });
     }
 

@@ -22,7 +22,7 @@ use lattice::{Lattice, Mixed, Uniform};
 use operator::{Combine, CpuOperator, Now, RATE};
 use rows::StoredRows;
 pub use vector::CpuVector;
-use vector::{Count, Volumes, largest};
+use vector::{Capacities, Count, largest};
 
 /// Values that one parallel task looks at.
 const CHUNK: usize = 1 << 15;
@@ -45,10 +45,10 @@ pub struct CpuBackend {
     next: Vec<f64>,
     /// Source of the rows of walls, 1/s x value.
     source: Vec<f64>,
-    /// What held particles and walls have given to the others: value x volume.
+    /// What held particles and walls have given to the others: value x capacity.
     exchange: CompensatedSum,
     saved: Option<(Vec<f64>, CompensatedSum)>,
-    volumes: Volumes,
+    capacities: Capacities,
     /// The aggregates of a coarse space, once a solver has one.
     aggregates: Aggregates,
     vectors: Count,
@@ -80,7 +80,7 @@ impl CpuBackend {
 
     /// The lattice `scene` of `problem`, with the rows that its stencil does not describe.
     pub fn mixed(problem: &Problem, scene: impl Into<Arc<MixedScene>>, rows: SomeRows) -> Self {
-        Self::with(problem, Box::new(Lattice(Mixed::new(problem, scene.into(), rows))))
+        Self::with(problem, Box::new(Lattice(Mixed::new(scene.into(), rows))))
     }
 
     fn with(problem: &Problem, operator: Box<dyn CpuOperator>) -> Self {
@@ -90,7 +90,7 @@ impl CpuBackend {
         Self {
             // What is at no particle stays 0.
             next: vec![0.0; state.len()],
-            volumes: Volumes::of(&problem.particles.volume, |each| operator.by_place(each)),
+            capacities: Capacities::of(&problem.capacities(), |each| operator.by_place(each)),
             operator,
             source,
             state,
@@ -175,7 +175,7 @@ impl Backend for CpuBackend {
         let values = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.source);
         let vectors = self.vectors.most * size_of_val(&*self.state);
         let solver = vectors + size_of_val(&*self.diagonal);
-        let rest = solver + self.volumes.memory_bytes() + self.aggregates.memory_bytes();
+        let rest = solver + self.capacities.memory_bytes() + self.aggregates.memory_bytes();
         self.operator.memory_bytes() + (values + rest) as u64
     }
     fn vector(&mut self) -> Result<CpuVector, SolverError> {
@@ -215,7 +215,7 @@ impl Backend for CpuBackend {
         for (row, &place) in walls.rank().iter().enumerate() {
             let change = after[row] - before[row];
             out.values[place as usize] = change;
-            out.given += walls.volume()[row] * change;
+            out.given += walls.capacity()[row] * change;
         }
         Ok(())
     }
@@ -271,7 +271,7 @@ impl Backend for CpuBackend {
     }
 
     fn dot(&mut self, x: &CpuVector, y: &CpuVector) -> Result<f64, SolverError> {
-        Ok(self.volumes.dot(x, y))
+        Ok(self.capacities.dot(x, y))
     }
 
     fn aggregate(&mut self, of: &[u32], count: usize) -> Result<(), SolverError> {
@@ -286,7 +286,7 @@ impl Backend for CpuBackend {
     }
 
     fn restrict(&mut self, x: &CpuVector, out: &mut [f64]) -> Result<(), SolverError> {
-        self.aggregates.restrict(&x.values, &self.volumes, out);
+        self.aggregates.restrict(&x.values, &self.capacities, out);
         Ok(())
     }
 

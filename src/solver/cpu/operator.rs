@@ -54,7 +54,7 @@ pub(super) trait CpuOperator: Send + Sync {
     fn sources(&self) -> &SourceRows;
 
     /// Writes what `combine` makes of values and rates, where held particles have the rate 0; returns
-    /// what these gave, value x volume / s.
+    /// what these gave, value x capacity / s.
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
 
     /// A_aa, 1/s; -1 for held particles and where there is none.

@@ -10,14 +10,14 @@ pub(super) struct StoredRows {
     /// Particle index at each rank.
     order: Vec<u32>,
     rows: Rows,
-    /// Volumes of the held particles, by rank.
-    held_volume: Vec<f64>,
+    /// Capacities of the held particles, by rank.
+    held_capacity: Vec<f64>,
 }
 
 impl StoredRows {
     pub(super) fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
-        let volume = |&rank: &u32| problem.particles.volume[order[rank as usize] as usize];
-        Self { held_volume: rows.held_rank().iter().map(volume).collect(), order, rows }
+        let capacity = |&rank: &u32| problem.capacity(order[rank as usize] as usize);
+        Self { held_capacity: rows.held_rank().iter().map(capacity).collect(), order, rows }
     }
 }
 
@@ -47,8 +47,8 @@ impl CpuOperator for StoredRows {
         let source = now.source.unwrap_or(&[]);
         self.rows.apply(now.values, source, out, |own, rate| share * own + scale * rate);
         // What holding the values takes: the negative of what the held rows would gain.
-        let gains = self.rows.held_rates(now.values).zip(&self.held_volume);
-        -gains.map(|(rate, volume)| volume * rate).sum::<f64>()
+        let gains = self.rows.held_rates(now.values).zip(&self.held_capacity);
+        -gains.map(|(rate, capacity)| capacity * rate).sum::<f64>()
     }
 
     fn diagonal(&self) -> Vec<f64> {
@@ -60,7 +60,7 @@ impl CpuOperator for StoredRows {
     }
 
     fn memory_bytes(&self) -> u64 {
-        let own = size_of_val(&*self.order) + size_of_val(&*self.held_volume);
+        let own = size_of_val(&*self.order) + size_of_val(&*self.held_capacity);
         self.rows.memory_bytes() + own as u64
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::CHUNK;
 
-/// One value at each place, and what the outside gave, value x volume (or that a second, of a rate).
+/// One value at each place, and what the outside gave, value x capacity (or that a second, of a rate).
 #[derive(Debug)]
 pub struct CpuVector {
     pub(super) values: Vec<f64>,
@@ -87,15 +87,15 @@ pub(super) fn largest(values: &[f64]) -> f64 {
         .fold(0.0, |largest, part| if part > largest || part.is_nan() { part } else { largest })
 }
 
-/// The volumes of particles.
-pub(super) enum Volumes {
+/// The capacities of particles.
+pub(super) enum Capacities {
     /// All have this one.
     Same(f64),
     /// By place.
     Each(Vec<f64>),
 }
 
-impl Volumes {
+impl Capacities {
     /// Those of particles in the problem's order, brought to the operator's where they differ.
     pub(super) fn of(volume: &[f64], by_place: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let first = volume.first().copied().unwrap_or(0.0);
@@ -114,8 +114,8 @@ impl Volumes {
                 let parts: Vec<f64> = x.zip(y).map(product).collect();
                 volume * parts.iter().sum::<f64>()
             }
-            Self::Each(volumes) => {
-                let parts = x.zip(y).zip(volumes.par_chunks(CHUNK));
+            Self::Each(capacities) => {
+                let parts = x.zip(y).zip(capacities.par_chunks(CHUNK));
                 let weighted = |((x, y), v): ((&[f64], &[f64]), &[f64])| {
                     x.iter().zip(y).zip(v).map(|((x, y), v)| v * x * y).sum::<f64>()
                 };
@@ -130,8 +130,8 @@ impl Volumes {
         let values = places.iter().map(|&place| x[place as usize]);
         match self {
             Self::Same(volume) => volume * values.sum::<f64>(),
-            Self::Each(volumes) => {
-                values.zip(places).map(|(x, &place)| volumes[place as usize] * x).sum()
+            Self::Each(capacities) => {
+                values.zip(places).map(|(x, &place)| capacities[place as usize] * x).sum()
             }
         }
     }
@@ -139,7 +139,7 @@ impl Volumes {
     pub(super) fn memory_bytes(&self) -> usize {
         match self {
             Self::Same(_) => 0,
-            Self::Each(volumes) => size_of_val(&**volumes),
+            Self::Each(capacities) => size_of_val(&**capacities),
         }
     }
 }

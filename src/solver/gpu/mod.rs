@@ -37,7 +37,7 @@ pub use self_test::SelfTest;
 pub use sorted::Sorted;
 use steps::Steps;
 pub use vector::GpuVector;
-use vector::{Tools, VectorScene, Volumes};
+use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
 
 /// How a scene is put on a device.
@@ -145,10 +145,10 @@ impl GpuBackend {
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
         let bytes = options.most_bytes(device);
         let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
-        let volumes = order.iter().map(|&p| particles.volume[p as usize]);
+        let capacities = order.iter().map(|&p| problem.capacity(p as usize));
         let scene = VectorScene {
             exceptions: lattice::exceptions(&rows, walls.slot_rows()),
-            volumes: Volumes::of(volumes),
+            capacities: Capacities::of(capacities),
         };
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
         let exchange = match choices.held {
@@ -164,7 +164,7 @@ impl GpuBackend {
             device: device.clone(),
             operator,
             order: Some(order),
-            held: held.into_iter().map(|(row, volume)| (2 * row as usize, volume)).collect(),
+            held: held.into_iter().map(|(row, capacity)| (2 * row as usize, capacity)).collect(),
             reference_step: scaling.step,
             saved: None,
             scene,
@@ -188,15 +188,15 @@ impl GpuBackend {
         let real = options.precision.real();
         device.require(real)?;
         let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
-        let step = reference_step(problem, dt, problem.materials[material].diffusivity);
+        let step = reference_step(problem, dt, problem.materials[material].diffusivity());
         // The stencil has the diagonals of walls.
         let walls = walls.beside_stencil();
         let held = scene.held_sites(&problem.held);
         let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
-        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
+        let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
         let of_vectors = VectorScene {
             exceptions: lattice::exceptions(&held, walls.rank()),
-            volumes: Volumes::Same(volume),
+            capacities: Capacities::Same(capacity),
         };
         let exchange = match held.is_empty() {
             true => None,
@@ -216,7 +216,7 @@ impl GpuBackend {
             device: device.clone(),
             operator,
             order: scene.order.clone(),
-            held: (0..held.len()).map(|k| (4 * k, volume)).collect(),
+            held: (0..held.len()).map(|k| (4 * k, capacity)).collect(),
             reference_step: step,
             saved: None,
             scene: of_vectors,
@@ -292,24 +292,24 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
     }
 }
 
-/// Row and volume of each held particle.
+/// Row and capacity of each held particle.
 fn held_rows(problem: &Problem, order: &[u32]) -> Vec<(u32, f64)> {
     let held: BTreeSet<u32> = problem.held.iter().copied().collect();
     let rows = (0..).zip(order).filter(|(_, particle)| held.contains(particle));
-    rows.map(|(row, &p)| (row, problem.particles.volume[p as usize])).collect()
+    rows.map(|(row, &p)| (row, problem.capacity(p as usize))).collect()
 }
 
-/// The table of volume and diffusivity ratios in sorted order, where the scene needs one.
+/// The table of ratios in sorted order, where the scene needs one.
 fn coefficient_table(
     device: &Device,
     choices: &Choices,
     order: &[u32],
-    ratios: Option<&[[f64; 2]]>,
+    ratios: Option<&[[f64; 4]]>,
 ) -> Result<Option<Buffer>, GpuError> {
     let Some(ratios) = ratios else {
         return Ok(None);
     };
     let sorted: Vec<f64> = order.iter().flat_map(|&p| ratios[p as usize]).collect();
     let bytes = choices.real().to_bytes(&sorted);
-    Ok(Some(device.storage_with("volumes and diffusivities", &bytes)?))
+    Ok(Some(device.storage_with("volumes and properties", &bytes)?))
 }

@@ -130,7 +130,7 @@ pub struct Choices {
     pub held: bool,
     /// What walls add to a step.
     pub walls: WallTerms,
-    /// Whether all particles share one volume and one diffusivity.
+    /// Whether all particles share one volume, conductivity and capacity.
     pub uniform: bool,
     /// The precision.
     pub precision: Precision,
@@ -322,7 +322,7 @@ impl Choices {
         let material = if self.uniform {
             "material/uniform"
         } else {
-            bindings.push(read("coefficient", Element::Real2));
+            bindings.push(read("coefficient", Element::Real4));
             "material/table"
         };
         let [kernel, mean] = self.pair_functions();

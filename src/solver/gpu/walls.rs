@@ -191,10 +191,10 @@ impl WallSlots {
         self.tick = tick;
     }
 
-    /// What entered through walls so far, value x volume.
+    /// What entered through walls so far, value x capacity.
     pub(super) fn inflow(&self, device: &Device) -> Result<f64, GpuError> {
         let slots = self.real.from_bytes(&device.read(&self.wall)?);
-        let entered = slots.chunks_exact(8).zip(self.rows.volume());
+        let entered = slots.chunks_exact(8).zip(self.rows.capacity());
         Ok(entered.map(|(slot, volume)| volume * (slot[4] + slot[5])).sum())
     }
 

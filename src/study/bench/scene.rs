@@ -63,7 +63,7 @@ pub(super) fn scene(size: u64, dimension: usize, support_ratio: f64) -> Problem 
             volume: vec![spacing.powi(dimension as i32); count],
             material: vec![0; count],
         },
-        materials: vec![Material { name: "unit".into(), diffusivity: 1.0, density: 1000.0 }],
+        materials: vec![Material::diffusive("unit", 1.0, 1000.0)],
         kernel: kernel(dimension, spacing, support_ratio),
         pair_mean: PairMean::Harmonic,
         correction: Correction::Moment,

@@ -92,12 +92,13 @@ impl<'a> Surfaces<'a> {
         let Problem { particles, .. } = self.problem;
         let x = particles.position[near.a];
         let conductivity = self.weight.conductivity(near.a, near.a);
+        let capacity = self.problem.unit_capacity(near.a);
         for &(to_site, slope) in &self.sites {
             let Some((crossing, inward)) = self.crossing(near, x + to_site, mirrors) else {
                 continue;
             };
             // In the frame of the particle; the crossing itself is folded into the body.
-            let spread = particles.volume[near.a] * slope * -to_site.dot(inward.normal);
+            let spread = particles.volume[near.a] * slope * -to_site.dot(inward.normal) / capacity;
             let depth = (x - inward.at).dot(inward.normal).max(0.0);
             let condition = &near.surface.condition;
             let Some(inflow) = condition.inflow(conductivity, depth, crossing) else {

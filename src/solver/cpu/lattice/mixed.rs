@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
-use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, within};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
@@ -18,19 +17,12 @@ const GAP: usize = 128;
 /// A scene with rows where its stencil does not hold.
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
-    /// Volume of a particle.
-    volume: f64,
     rows: SomeRows,
 }
 
 impl Mixed {
-    pub(in crate::solver::cpu) fn new(
-        problem: &Problem,
-        scene: Arc<MixedScene>,
-        rows: SomeRows,
-    ) -> Self {
-        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
-        Self { scene, volume, rows }
+    pub(in crate::solver::cpu) fn new(scene: Arc<MixedScene>, rows: SomeRows) -> Self {
+        Self { scene, rows }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -92,7 +84,7 @@ impl Mixed {
         self.rows.rates(sites, now.values, source, |site, rate| {
             out[site - sites.start] = combine.share * now.values[site] + combine.scale * rate;
         });
-        -self.volume * self.rows.held_rate(sites, now.values)
+        -self.rows.held_rate(sites, now.values)
     }
 }
 

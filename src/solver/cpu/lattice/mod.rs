@@ -30,7 +30,7 @@ pub(super) trait LatticeOperator: Send + Sync {
     fn sources(&self) -> &SourceRows;
 
     /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
-    /// last are along their lines; returns what held particles among them gave, value x volume / s.
+    /// last are along their lines; returns what held particles among them gave, value x capacity / s.
     fn advance(
         &self,
         scratch: &mut Scratch,

@@ -15,8 +15,8 @@ use crate::solver::cpu::operator::{Combine, Now, RATE};
 /// A scene that fills its lattice.
 pub(in crate::solver::cpu) struct Uniform {
     scene: Arc<LatticeScene>,
-    /// Volume of a particle.
-    volume: f64,
+    /// Capacity of a particle.
+    capacity: f64,
     /// Sites of the held particles, ascending.
     held: Vec<u32>,
     /// What each of them would gain a second without the others, which does not change; a change of the
@@ -34,8 +34,8 @@ impl Uniform {
     ) -> Self {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.initial);
-        let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
-        Self { scene, volume, held, among_held, walls: walls.beside_stencil() }
+        let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
+        Self { scene, capacity, held, among_held, walls: walls.beside_stencil() }
     }
 
     /// Whether a held particle or one with a source is among `sites`.
@@ -51,7 +51,7 @@ impl Uniform {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
             let among_held = if now.source.is_some() { self.among_held[k] } else { 0.0 };
-            given -= self.volume * (*rate - among_held);
+            given -= self.capacity * (*rate - among_held);
             *rate = 0.0;
         }
         for row in within(self.walls.rank(), &sites) {

@@ -85,18 +85,18 @@ impl Operations<'_> {
         x: &GpuVector,
         out: &mut [f64],
     ) -> Result<(), GpuError> {
-        self.write_volumes()?;
-        let reference = self.scene.volumes.reference();
+        self.write_capacities()?;
+        let reference = self.scene.capacities.reference();
         let precision = self.precision();
         let (tools, steps) = (&mut *self.tools, &*self.steps);
         let Some(aggregates) = &tools.aggregates else {
             return Ok(());
         };
         tools.queue.run(self.device, (Operation::Restrict, vec![x.number]), || {
-            let source = restrict(precision, tools.coefficient.is_some());
+            let source = restrict(precision, tools.capacity.is_some());
             let pass = |(x, part): (&Buffer, &OfPart)| {
                 let mut buffers = vec![steps.step_size(), x, &part.place, &part.start, &part.sums];
-                buffers.extend(&tools.coefficient);
+                buffers.extend(&tools.capacity);
                 let threads = aggregates.count as u64 * u64::from(RESTRICTING);
                 self.device.pass(&source, &buffers, threads)
             };

@@ -51,19 +51,19 @@ impl GpuVector {
 pub(super) struct VectorScene {
     /// Place, slot of a wall and place among the held of each particle that has one of these.
     pub(super) exceptions: Vec<[u32; 4]>,
-    pub(super) volumes: Volumes,
+    pub(super) capacities: Capacities,
 }
 
-/// The volumes of particles.
+/// The capacities of particles.
 #[derive(Debug)]
-pub(super) enum Volumes {
+pub(super) enum Capacities {
     /// All have this one.
     Same(f64),
     /// By place.
     Each(Vec<f64>),
 }
 
-impl Volumes {
+impl Capacities {
     /// Those of particles in the order of the device.
     pub(super) fn of(volume: impl Iterator<Item = f64> + Clone) -> Self {
         let first = volume.clone().next().unwrap_or(0.0);
@@ -73,11 +73,11 @@ impl Volumes {
         }
     }
 
-    /// The volume that those on the device are relative to.
+    /// The capacity that those on the device are relative to.
     fn reference(&self) -> f64 {
         match self {
             Self::Same(volume) => *volume,
-            Self::Each(volumes) => volumes.iter().copied().fold(0.0, f64::max),
+            Self::Each(capacities) => capacities.iter().copied().fold(0.0, f64::max),
         }
     }
 }
@@ -106,8 +106,8 @@ pub(super) struct Tools {
     source: Buffer,
     /// What workgroups found, by part.
     sums: Vec<Buffer>,
-    /// Volumes over the reference volume, where they differ.
-    coefficient: Option<Buffer>,
+    /// Capacities over the reference capacity, where they differ.
+    capacity: Option<Buffer>,
     /// The factor of each value in its rate a reference step, once asked for.
     diagonal: Vec<Buffer>,
     /// The aggregates of a coarse space, once a solver has one.
@@ -152,7 +152,7 @@ impl Tools {
             no_source: walls.transpose()?,
             source: device.storage("changes of sources", reals(entries.1))?,
             sums: steps.state().iter().map(sums).collect::<Result<_, _>>()?,
-            coefficient: None,
+            capacity: None,
             diagonal: Vec::new(),
             aggregates: None,
             vectors: Vec::new(),
@@ -184,7 +184,7 @@ impl Tools {
         let blocks = [&self.combination, &self.update, &self.exception, &self.nothing_given];
         let buffers = blocks.into_iter().chain([&self.source]).chain(&self.sums);
         let buffers = buffers.chain(&self.nothing_held).chain(&self.no_source);
-        let buffers = buffers.chain(&self.coefficient).chain(&self.diagonal);
+        let buffers = buffers.chain(&self.capacity).chain(&self.diagonal);
         let aggregates = self.aggregates.as_ref().map_or(0, Aggregates::bytes);
         self.most_bytes + buffers.map(Buffer::bytes).sum::<u64>() + aggregates
     }

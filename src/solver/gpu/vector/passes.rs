@@ -79,36 +79,35 @@ pub(super) fn divide(precision: Precision) -> PassSource {
     source("vector_divide", precision, bindings)
 }
 
-/// Partial sums of the products of two vectors with volumes, by particle or one for all.
-pub(super) fn dot(precision: Precision, volumes: bool) -> PassSource {
+/// The slot for capacities, with their binding where particles differ.
+fn capacity(bindings: &mut Vec<Binding>, differ: bool) -> &'static str {
+    if !differ {
+        return "capacity/same";
+    }
+    bindings.push(read("capacity", Element::Real));
+    "capacity/each"
+}
+
+/// Partial sums of the products of two vectors with capacities, by particle or one for all.
+pub(super) fn dot(precision: Precision, capacities: bool) -> PassSource {
     let mut bindings = vec![
         read("one", value(precision)),
         read("other", value(precision)),
         write("sums", Element::Real4),
     ];
-    let slot = if volumes {
-        bindings.push(read("coefficient", Element::Real2));
-        "material/table"
-    } else {
-        "material/uniform"
-    };
+    let slot = capacity(&mut bindings, capacities);
     reduction("vector_dot", precision, bindings, slot, ("LEAST", LEAST))
 }
 
-/// Sums over aggregates with volumes, by particle or one for all.
-pub(super) fn restrict(precision: Precision, volumes: bool) -> PassSource {
+/// Sums over aggregates with capacities, by particle or one for all.
+pub(super) fn restrict(precision: Precision, capacities: bool) -> PassSource {
     let mut bindings = vec![
         read("one", value(precision)),
         read("place", Element::U32),
         read("start", Element::U32),
         write("sums", Element::Real),
     ];
-    let slot = if volumes {
-        bindings.push(read("coefficient", Element::Real2));
-        "material/table"
-    } else {
-        "material/uniform"
-    };
+    let slot = capacity(&mut bindings, capacities);
     let mut source = source("vector_restrict", precision, bindings);
     source.workgroup_size = RESTRICTING;
     source.slots.push(slot.to_owned());

@@ -3,7 +3,7 @@
 
 use super::passes::{REDUCED, dot, largest};
 use super::queue::{Key, Operation};
-use super::{GpuVector, Operations, Volumes};
+use super::{Capacities, GpuVector, Operations};
 use crate::gpu::{Buffer, GpuError, PassSource};
 
 impl Operations<'_> {
@@ -14,22 +14,23 @@ impl Operations<'_> {
         y: &GpuVector,
     ) -> Result<f64, GpuError> {
         let precision = self.precision();
-        let reference = self.scene.volumes.reference();
-        self.write_volumes()?;
-        let source = dot(precision, self.tools.coefficient.is_some());
+        let reference = self.scene.capacities.reference();
+        self.write_capacities()?;
+        let source = dot(precision, self.tools.capacity.is_some());
         let key = (Operation::Dot, vec![x.number, y.number]);
         let parts: Vec<[&Buffer; 2]> = x.parts.iter().zip(&y.parts).map(Into::into).collect();
         let partial = self.reduce::<2>(key, &source, &parts)?;
         Ok(reference * partial.chunks_exact(4).map(|p| p[0] * p[1] * p[2]).sum::<f64>())
     }
 
-    /// Has the volumes on the device where they differ.
-    pub(super) fn write_volumes(&mut self) -> Result<(), GpuError> {
-        if let (Volumes::Each(volumes), None) = (&self.scene.volumes, &self.tools.coefficient) {
-            let reference = self.scene.volumes.reference();
-            let ratios: Vec<f64> = volumes.iter().flat_map(|v| [v / reference, 1.0]).collect();
+    /// Has the capacities on the device where they differ.
+    pub(super) fn write_capacities(&mut self) -> Result<(), GpuError> {
+        if let (Capacities::Each(capacities), None) = (&self.scene.capacities, &self.tools.capacity)
+        {
+            let reference = self.scene.capacities.reference();
+            let ratios: Vec<f64> = capacities.iter().map(|c| c / reference).collect();
             let ratios = self.precision().real().to_bytes(&ratios);
-            self.tools.coefficient = Some(self.device.storage_with("volumes", &ratios)?);
+            self.tools.capacity = Some(self.device.storage_with("capacities", &ratios)?);
         }
         Ok(())
     }
@@ -70,7 +71,7 @@ impl Operations<'_> {
                 buffers.extend(part);
                 buffers.push(sums);
                 // Only products have a weight.
-                buffers.extend(tools.coefficient.as_ref().filter(|_| N == 2));
+                buffers.extend(tools.capacity.as_ref().filter(|_| N == 2));
                 let groups = precision.values_in(part[0]).div_ceil(REDUCED);
                 self.device.pass(source, &buffers, groups * u64::from(source.workgroup_size))
             };
