@@ -179,7 +179,7 @@ fn what_is_no_lattice_takes_the_list_and_says_why() {
         problem.materials.push(slow);
         problem.particles.material[3] = 1;
     });
-    assert_eq!(two, "particles differ in diffusivity or density");
+    assert_eq!(two, "particles differ in conductivity, capacity or density");
     let wide = scene(KernelKind::CubicSpline, 5.5, &[12, 12], json!([])).problem;
     let why_wide = LatticeScene::of(&wide).expect_err("too wide");
     assert_eq!(why_wide, "the support reaches past four spacings");
@@ -214,13 +214,15 @@ fn shipped_cases_take_the_path_that_they_can() {
                 "boundaries.2.held.where.box.min.0=45",
             ],
             "gaussian" => &["particles.spacing=5", "time.step=4e4", "output={}", "probes=[]"],
+            "hot_inclusion" => &["time.end=1", "output={}", "probes=[]"],
             "constant_column" | "affine_column" => &["time.end=225*400", "output={}"],
             _ => &[],
         };
         let taken = report(&name, PathWish::Auto, coarse);
         let round = ["annulus", "annulus_steady", "sphere_cooling", "sphere_convection"];
         // See tests/mixed_path.rs.
-        let is_mixed = round.contains(&name.as_str()) || name == "patches";
+        let others = ["patches", "contact", "hot_inclusion"];
+        let is_mixed = round.contains(&name.as_str()) || others.contains(&name.as_str());
         assert_eq!(taken.path, if is_mixed { "mixed" } else { "lattice" }, "{name}");
         if is_mixed {
             continue;
@@ -235,6 +237,8 @@ fn shipped_cases_take_the_path_that_they_can() {
             "cooling_plate",
             "swinging_bar",
             "fin",
+            "rod",
+            "square",
         ];
         assert_eq!(left("sorting into cells"), !walled.contains(&name.as_str()), "{name}");
         let general = report(&name, PathWish::List, coarse);
