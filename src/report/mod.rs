@@ -6,6 +6,7 @@
 
 pub mod bench;
 pub mod format;
+pub mod html;
 pub mod norms;
 pub mod output;
 pub mod probes;
