@@ -92,12 +92,15 @@ pub fn details(summary: &str, body: Html) -> Html {
 
 /// A table of plain texts; cells that start as numbers do are set to the right.
 pub fn table<H: AsRef<str>>(header: &[H], rows: &[Vec<String>]) -> Html {
-    let head: String =
-        header.iter().map(|cell| format!("<th>{}</th>", escape(cell.as_ref()))).collect();
-    let cell = |text: &String| {
-        let class = if is_numeric(text) { " class=\"number\"" } else { "" };
-        format!("<td{class}>{}</td>", escape(text))
+    let cell = |name: &str, text: &str, numeric: bool| {
+        let class = if numeric { " class=\"number\"" } else { "" };
+        format!("<{name}{class}>{}</{name}>", escape(text))
     };
+    let heads_numbers = |column: usize| rows.first().is_some_and(|row| is_numeric(&row[column]));
+    let head = header.iter().enumerate();
+    let head: String =
+        head.map(|(column, text)| cell("th", text.as_ref(), heads_numbers(column))).collect();
+    let cell = |text: &String| cell("td", text, is_numeric(text));
     let row =
         |row: &Vec<String>| format!("<tr>{}</tr>\n", row.iter().map(cell).collect::<String>());
     let body: String = rows.iter().map(row).collect();

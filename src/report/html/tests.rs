@@ -55,6 +55,7 @@ fn text_is_escaped_and_numbers_are_set_to_the_right() {
         "<p>1 &lt; 2</p>",
         "<li>it&#39;s</li>\n<li>&lt;script&gt;</li>",
         "<h2>&lt;Second&gt;</h2>",
+        "<th>name</th><th class=\"number\">x</th>",
         "<td>&lt;b&gt;</td><td class=\"number\">−1.5</td>",
         "<pre>a\n  b &gt; c</pre>",
         "<svg width=\"9\" height=\"9\"><rect/></svg>",

@@ -16,7 +16,7 @@ fn short(Setting { name, value }: &Setting, spacing: f64) -> String {
         ("correction", "moment") => "corrected".to_owned(),
         ("sweep" | "method" | "kernel" | "backend" | "precision" | "path", _) => value.clone(),
         ("support_ratio", _) => format!("H/dx {value}"),
-        ("step", _) => format!("step {value} s"),
+        ("step", _) if value.parse::<f64>().is_ok() => format!("step {value} s"),
         _ => format!("{name} {value}"),
     }
 }
@@ -24,18 +24,27 @@ fn short(Setting { name, value }: &Setting, spacing: f64) -> String {
 impl Point {
     /// What it shares with points that differ from it in `varies` alone.
     pub fn series(&self, varies: &str) -> String {
-        let same = |setting: &&Setting| setting.name != varies;
+        self.beside(&[varies])
+    }
+
+    /// What it shares with points that differ from it in how fine they are: in space or in time.
+    pub(super) fn kind(&self) -> String {
+        self.beside(&["spacing", "step", "tolerance"])
+    }
+
+    fn beside(&self, varied: &[&str]) -> String {
+        let same = |setting: &&Setting| !varied.contains(&&*setting.name);
         let settings: Vec<Setting> = self.settings.iter().filter(same).cloned().collect();
         label(&settings, self.spacing)
     }
 }
 
 impl StudyReport {
-    /// The series over the spacing, in the order of their first points.
-    pub(super) fn series_names(&self) -> Vec<String> {
+    /// What `name` calls the points, in their order.
+    pub(super) fn names(&self, name: impl Fn(&Point) -> String) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for (point, _) in self.measured() {
-            let name = point.series("spacing");
+            let name = name(point);
             if !names.contains(&name) {
                 names.push(name);
             }

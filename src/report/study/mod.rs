@@ -160,4 +160,4 @@ impl StudyReport {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::table::{HEADER, order_text};
+use super::table::{HEADER, Splits, order_text};
 use super::{PeerPoint, Recommendation, StudyReport};
 use crate::report::OutputError;
 use crate::report::canvas::Failure;
@@ -71,7 +71,7 @@ impl StudyReport {
 
     fn what_it_consists_of(&self) -> Section {
         let body: Vec<Html> = match self.splits() {
-            Ok((header, rows)) => {
+            Ok(Splits { header, rows }) => {
                 let place = self.split_place().unwrap_or_default();
                 let text = format!(
                     "The error {place}, on the way from the exact value to that of the run, each part over \

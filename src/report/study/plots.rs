@@ -46,7 +46,7 @@ impl StudyReport {
     }
 
     fn over_time(&self) -> Option<(&'static str, Chart, &'static str)> {
-        let mut series = self.series(|point, of| {
+        let mut series = self.series(Point::kind, |point, of| {
             let error = of.error_norm()?;
             let Time { x, spread } = Time::of(of);
             Some(mark(point, of, x, error, spread))
@@ -86,7 +86,7 @@ impl StudyReport {
     }
 
     fn over_applications(&self) -> Option<(&'static str, Chart, &'static str)> {
-        let series = self.series(|point, of| {
+        let series = self.series(Point::kind, |point, of| {
             let applications = of.operator_applications as f64;
             Some(mark(point, of, applications, of.error_norm()?, None))
         });
@@ -103,13 +103,16 @@ impl StudyReport {
     }
 
     fn over_spacing(&self) -> Option<(&'static str, Chart, &'static str)> {
-        let mut series = self.series(|point, of| {
-            let unlabelled = Mark {
-                label: String::new(),
-                ..mark(point, of, point.spacing, of.error_norm()?, None)
-            };
-            Some(unlabelled)
-        });
+        let mut series = self.series(
+            |point| point.series("spacing"),
+            |point, of| {
+                let unlabelled = Mark {
+                    label: String::new(),
+                    ..mark(point, of, point.spacing, of.error_norm()?, None)
+                };
+                Some(unlabelled)
+            },
+        );
         series.retain(|series| series.marks.len() > 1);
         for series in &mut series {
             series.joined = true;
@@ -133,7 +136,7 @@ impl StudyReport {
     }
 
     fn rates(&self) -> Option<(&'static str, Chart, &'static str)> {
-        let mut series = self.series(|point, of| {
+        let mut series = self.series(Point::kind, |point, of| {
             Some(mark(point, of, point.particles as f64, of.updates_per_s, None))
         });
         series.iter_mut().flat_map(|of| &mut of.marks).for_each(|mark| mark.label.clear());
@@ -147,11 +150,14 @@ impl StudyReport {
         Some(("throughput", chart, "Of the solution alone, the middle run."))
     }
 
-    /// The points by series, each as `mark` has it.
-    fn series(&self, mark: impl Fn(&Point, &Measured) -> Option<Mark>) -> Vec<Series> {
-        let names = self.series_names();
-        let all = names.into_iter().map(|name| {
-            let of_series = self.measured().filter(|(point, _)| point.series("spacing") == name);
+    /// The points by what `name` calls them, each as `mark` has it.
+    fn series(
+        &self,
+        name_of: impl Fn(&Point) -> String,
+        mark: impl Fn(&Point, &Measured) -> Option<Mark>,
+    ) -> Vec<Series> {
+        let all = self.names(&name_of).into_iter().map(|name| {
+            let of_series = self.measured().filter(|(point, _)| name_of(point) == name);
             let marks = of_series.filter_map(|(point, of)| mark(point, of));
             let marks = marks.filter(|mark| is_drawable(mark.x) && is_drawable(mark.y)).collect();
             Series { name, marks, joined: false, of_others: false }

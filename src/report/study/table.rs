@@ -19,6 +19,12 @@ pub(super) const HEADER: [&str; 10] = [
     "Linf",
 ];
 
+/// The splits of the errors, as a table.
+pub(super) struct Splits {
+    pub(super) header: Vec<String>,
+    pub(super) rows: Vec<Vec<String>>,
+}
+
 impl StudyReport {
     /// The study as text for the terminal.
     pub fn table(&self) -> String {
@@ -54,8 +60,8 @@ impl StudyReport {
         self.points.iter().map(row).collect()
     }
 
-    /// The splits of the errors at the first probe: a header and rows, or why there are none.
-    pub(super) fn splits(&self) -> Result<(Vec<String>, Vec<Vec<String>>), Vec<String>> {
+    /// The splits of the errors at the first probe: or why there are none.
+    pub(super) fn splits(&self) -> Result<Splits, Vec<String>> {
         let split = |of: &Measured| of.split.as_ref()?.probes.first().cloned();
         let all: Vec<(&Point, ProbeSplit)> =
             self.measured().filter_map(|(point, of)| Some((point, split(of)?))).collect();
@@ -78,7 +84,7 @@ impl StudyReport {
             cells.extend(split.parts.iter().map(part));
             cells
         };
-        Ok((header, all.iter().map(row).collect()))
+        Ok(Splits { header, rows: all.iter().map(row).collect() })
     }
 
     /// What the splits say of themselves, each once.
@@ -198,7 +204,7 @@ impl Table<'_> {
 
     fn splits(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0.splits() {
-            Ok((header, rows)) => {
+            Ok(Splits { header, rows }) => {
                 let place = self.0.split_place().unwrap_or_default();
                 writeln!(f, "\nwhat the error consists of, {place}")?;
                 aligned(f, &header, &rows)?;

@@ -61,35 +61,36 @@ impl Modes {
 
     /// Rates of the modes by a stencil of these lines, 1/s.
     pub(super) fn of_stencil(&self, classes: &[LineClass]) -> Vec<f64> {
-        let entries: Vec<([isize; 3], f64)> = classes.iter().flat_map(entries).collect();
-        self.map(|theta| {
-            let cosines = |steps: &[isize; 3]| {
-                steps
-                    .iter()
-                    .zip(theta)
-                    .map(|(&step, theta)| (step as f64 * theta).cos())
-                    .product::<f64>()
+        let entries: Vec<([usize; 3], f64)> = classes.iter().flat_map(entries).collect();
+        let reach = entries.iter().flat_map(|(steps, _)| *steps).max().unwrap_or(0);
+        // cos(step theta) by axis, step and mode: one product of three a neighbour is left.
+        let cosines = [0, 1, 2].map(|axis| {
+            let of = |step: usize| {
+                let cosine = move |k| (step as f64 * self.angle(axis, k)).cos();
+                (0..self.counts[axis]).map(cosine).collect()
             };
-            entries.iter().map(|(steps, weight)| weight * (cosines(steps) - 1.0)).sum()
+            (0..=reach).map(of).collect::<Vec<Vec<f64>>>()
+        });
+        self.map(|mode| {
+            let of = |(steps, weight): &([usize; 3], f64)| {
+                let [x, y, z] = [0, 1, 2].map(|axis: usize| cosines[axis][steps[axis]][mode[axis]]);
+                weight * (x * y * z - 1.0)
+            };
+            entries.iter().map(of).sum()
         })
     }
 
     /// Rates of the modes by diffusion with `diffusivity` (m2/s) on a lattice of `spacing` (m), 1/s.
     pub(super) fn of_diffusion(&self, diffusivity: f64, spacing: f64) -> Vec<f64> {
         let scale = -diffusivity / (spacing * spacing);
-        self.map(|theta| scale * theta.iter().map(|theta| theta * theta).sum::<f64>())
+        let square = |axis: usize, k: usize| self.angle(axis, k).powi(2);
+        self.map(|[x, y, z]| scale * (square(0, x) + square(1, y) + square(2, z)))
     }
 
-    /// A function of the angles of each mode.
-    fn map(&self, of: impl Fn([f64; 3]) -> f64 + Sync) -> Vec<f64> {
+    /// A function of each mode, which has a number along each axis.
+    fn map(&self, of: impl Fn([usize; 3]) -> f64 + Sync) -> Vec<f64> {
         let [nx, ny, nz] = self.counts;
-        let mode = |mode: usize| {
-            of([
-                self.angle(0, mode % nx),
-                self.angle(1, mode / nx % ny),
-                self.angle(2, mode / (nx * ny)),
-            ])
-        };
+        let mode = |mode: usize| of([mode % nx, mode / nx % ny, mode / (nx * ny)]);
         (0..nx * ny * nz).into_par_iter().map(mode).collect()
     }
 
@@ -171,11 +172,13 @@ fn hartley(n: usize, factor: f64) -> OfLine {
     })
 }
 
-/// The steps to each neighbour of a class of lines, with their weights.
-fn entries(class: &LineClass) -> Vec<([isize; 3], f64)> {
-    let reach = class.weights.len() as isize - 1;
+/// The steps to the neighbours of a class of lines, whatever their sides, with their weights: twice
+/// that of a step along x, which goes to both.
+fn entries(class: &LineClass) -> Vec<([usize; 3], f64)> {
+    let sides = |x: usize| if x == 0 { 1.0 } else { 2.0 };
     let along = |&[y, z]: &[isize; 2]| {
-        (-reach..=reach).map(move |x| ([x, y, z], class.weights[x.unsigned_abs()]))
+        let [y, z] = [y, z].map(isize::unsigned_abs);
+        (0..class.weights.len()).map(move |x| ([x, y, z], sides(x) * class.weights[x]))
     };
     class.lines.iter().flat_map(along).collect()
 }
@@ -231,8 +234,8 @@ mod tests {
         let expected = modes.field(&stepped);
         let mut backend = CpuBackend::lattice(problem, lattice, walls);
         backend.euler(0.0, dt, 1).expect("a step");
-        let state = backend.state().expect("a state");
-        state.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        let state = backend.read().expect("a state");
+        state.as_ref().iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub(super) struct Trial {
     label: String,
     runs: Vec<TimedRun>,
     report: Option<Box<RunReport>>,
+    split: Option<Result<Split, String>>,
     failure: Option<String>,
     skipped: Option<(f64, String)>,
 }
@@ -43,6 +44,7 @@ pub(super) struct Measuring<'a, 'b> {
     done: u64,
     all: u64,
     interrupted: bool,
+    spaces: Spaces,
 }
 
 /// The splits up to the steps, by scene: settings that differ in their steps share one.
@@ -54,8 +56,16 @@ impl<'a, 'b> Measuring<'a, 'b> {
         started: Instant,
         progress: &'a mut dyn FnMut(StudyProgress) -> ControlFlow<()>,
     ) -> Self {
-        let rates = Rates::default();
-        Self { options, started, progress, rates, done: 0, all: 0, interrupted: false }
+        Self {
+            options,
+            started,
+            progress,
+            rates: Rates::default(),
+            done: 0,
+            all: 0,
+            interrupted: false,
+            spaces: Spaces::new(),
+        }
     }
 
     /// The settings with what they are expected to take, the cheapest first. Of a default study, what
@@ -109,6 +119,7 @@ impl<'a, 'b> Measuring<'a, 'b> {
                 label,
                 runs: Vec::new(),
                 report: None,
+                split: None,
                 failure,
                 skipped: None,
             });
@@ -128,11 +139,10 @@ impl<'a, 'b> Measuring<'a, 'b> {
                 self.done += 1;
             }
         }
-        let mut spaces = Spaces::new();
         let mut runs =
             Runs { points: Vec::new(), skipped: Vec::new(), interrupted: self.interrupted };
         for trial in trials {
-            self.finish(trial, &mut spaces, &mut runs);
+            self.finish(trial, &mut runs);
         }
         Ok(runs)
     }
@@ -172,6 +182,10 @@ impl<'a, 'b> Measuring<'a, 'b> {
                     updates_per_s: report.updates_per_s,
                     command_s: seconds,
                 });
+                // At once, so that it counts as time taken.
+                if trial.split.is_none() {
+                    trial.split = Some(self.split(&trial.candidate, &report));
+                }
                 trial.report = Some(report);
             }
             Ended::Failed(why) => trial.failure = Some(why),
@@ -194,7 +208,7 @@ impl<'a, 'b> Measuring<'a, 'b> {
         (self.progress)(StudyProgress { done: self.done, all: self.all, what })
     }
 
-    fn finish(&mut self, mut trial: Trial, spaces: &mut Spaces, runs: &mut Runs) {
+    fn finish(&self, mut trial: Trial, runs: &mut Runs) {
         let command = trial.candidate.command(self.options.case);
         if trial.report.is_none() && trial.failure.is_none() {
             let stopped = || (self.rates.expect(&trial.predicted), "stopped before it".to_owned());
@@ -202,12 +216,7 @@ impl<'a, 'b> Measuring<'a, 'b> {
             runs.skipped.push(Skipped { label: trial.label, command, expected_s, why });
             return;
         }
-        let goes_on = self.tell("splitting the errors".to_owned()).is_continue();
-        let split = trial.report.as_ref().map(|report| match goes_on {
-            true => self.split(&trial, report, spaces),
-            false => Err("the study was stopped".to_owned()),
-        });
-        let result = trial.report.take().zip(split);
+        let result = trial.report.take().zip(trial.split.take());
         let result = result.map(|(report, split)| measured(*report, trial.runs, split));
         runs.points.push(Point {
             number: runs.points.len() + 1,
@@ -222,25 +231,20 @@ impl<'a, 'b> Measuring<'a, 'b> {
     }
 
     /// What the error of a setting consists of, or why that is not known.
-    fn split(
-        &self,
-        trial: &Trial,
-        report: &RunReport,
-        spaces: &mut Spaces,
-    ) -> Result<Split, String> {
+    fn split(&mut self, candidate: &Candidate, report: &RunReport) -> Result<Split, String> {
         if report.probes.is_empty() {
             return Err("the case has no probe".to_owned());
         }
-        let scene = trial.candidate.load(self.options.case).map_err(|error| error.to_string())?;
+        let scene = candidate.load(self.options.case).map_err(|error| error.to_string())?;
         let mut key = scene.resolved.clone();
         for step in ["step", "tolerance", "method", "linear_tolerance", "preconditioner"] {
             if let Some(time) = key["time"].as_object_mut() {
                 time.remove(step);
             }
         }
-        let steady = report.method == "steady";
-        let space = spaces.entry(format!("{steady} {key}")).or_insert_with(|| Space::of(&scene));
-        space.as_ref().map(|space| space.with(&report.probes)).map_err(Clone::clone)
+        let key = format!("{} {key}", report.method == "steady");
+        let space = self.spaces.entry(key).or_insert_with(|| Space::of(&scene));
+        space.as_ref().map(|space| space.with(&report.probes)).map_err(|why| why.clone())
     }
 }
 
@@ -299,6 +303,7 @@ fn measured(report: RunReport, mut runs: Vec<TimedRun>, split: Result<Split, Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::run::tests::example;
 
     fn run(command_s: f64, solve_s: f64) -> TimedRun {
         let (setup_s, output_s) = (0.1, 0.0);
@@ -307,11 +312,7 @@ mod tests {
 
     #[test]
     fn a_short_first_run_warms_up_and_a_long_one_counts() {
-        let report = || {
-            let text = include_str!("sample_report.json");
-            serde_json::from_str::<RunReport>(text).expect("a report")
-        };
-        let of = |runs: Vec<TimedRun>| measured(report(), runs, Err(String::new()));
+        let of = |runs: Vec<TimedRun>| measured(example(), runs, Err(String::new()));
         let short = of(vec![run(0.5, 9.0), run(0.4, 3.0), run(0.4, 1.0), run(0.4, 2.0)]);
         assert_eq!(short.solve_s, Spread { median: 2.0, least: 1.0, greatest: 3.0 });
         assert!((short.total_s.median - 2.1).abs() < 1e-12);

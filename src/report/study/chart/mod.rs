@@ -173,12 +173,24 @@ impl Chart {
         Ok(())
     }
 
+    /// The lines that labels keep off, from point to point.
+    fn strokes(&self, frame: &Frame) -> Vec<[(f64, f64); 2]> {
+        let marks = self.series.iter().flat_map(|series| &series.marks);
+        let spread = |mark: &Mark| {
+            let (least, greatest) = mark.spread?;
+            Some([least, greatest].map(|x| self.at(frame, x, mark.y)))
+        };
+        let front = self.front.iter().flat_map(|(_, front)| front.windows(2));
+        let front = front.map(|ends| [0, 1].map(|k| self.at(frame, ends[k].0, ends[k].1)));
+        marks.filter_map(spread).chain(front).collect()
+    }
+
     fn labels(&self, area: &Area<'_>, frame: &Frame) -> Drawn {
         let all = || self.series.iter().flat_map(|series| &series.marks);
         let marks: Vec<(f64, f64)> = all().map(|mark| self.at(frame, mark.x, mark.y)).collect();
         let texts: Vec<(&str, bool)> = all().map(|mark| (&*mark.label, mark.first)).collect();
         let style = font(LABEL_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
-        for (text, at) in place(frame, &marks, &texts, LABEL_SIZE) {
+        for (text, at) in place(frame, &marks, &self.strokes(frame), &texts, LABEL_SIZE) {
             area.draw_text(text, &style, fine(at))?;
         }
         Ok(())
