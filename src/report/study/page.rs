@@ -53,11 +53,10 @@ impl StudyReport {
         let text = |of: &Recommendation| of.text.clone();
         let mut advice: Vec<String> = self.recommendations.iter().map(text).collect();
         advice.extend(self.peers_ahead.iter().cloned());
-        let against = match &self.against {
-            Some(against) => format!("Errors are {against}."),
-            None => "There is nothing to compare with.".to_owned(),
-        };
-        let mut parts = vec![list(&advice), paragraph(&against)];
+        let mut parts = vec![list(&advice)];
+        parts.extend(
+            self.against.iter().map(|against| paragraph(&format!("Errors are {against}."))),
+        );
         parts.extend(self.remarks.iter().map(|remark| paragraph(remark)));
         parts.push(paragraph(&format!("{}. {}.", self.where_it_ran(), self.extent())));
         Section::new("Which settings to run", parts)

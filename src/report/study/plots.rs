@@ -120,8 +120,9 @@ impl StudyReport {
             let is_it =
                 |order: &&super::Order| order.varies == "spacing" && order.series == series.name;
             let order = self.orders.iter().find(is_it);
-            if let Some(slope) = order.and_then(|order| order.all.l2_relative) {
-                series.name += &format!(": slope {slope:.2}");
+            let slopes = order.and_then(|of| of.all.l2_relative.zip(of.finest.l2_relative));
+            if let Some((all, finest)) = slopes {
+                series.name += &format!(": slope {all:.2} (finest {finest:.2})");
             }
         }
         let chart = chart(
@@ -131,7 +132,8 @@ impl StudyReport {
             series,
             None,
         )?;
-        let caption = "Slopes are those of a least-squares line through all points of a series.";
+        let caption = "Slopes are those of a least-squares line through all points of a series, and of \
+                       the line through its two finest.";
         Some(("error_spacing", chart, caption))
     }
 

@@ -98,8 +98,7 @@ pub enum StudyError {
     },
     /// A name that stands for nothing.
     #[error(
-        "{what}: unknown name \"{text}\"{} (known: {known}, or a path in the case such as \
-         time.linear_tolerance)",
+        "{what}: unknown name \"{text}\"{} (known: {known})",
         .nearest.as_ref().map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default())]
     UnknownName {
         /// Where it stands.

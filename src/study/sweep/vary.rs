@@ -62,7 +62,7 @@ impl Vary {
             let known = FLAGS.iter().find(|(name, _)| *name == flag).map_or(&[][..], |of| of.1);
             for value in &values {
                 if !known.contains(&value.as_str()) {
-                    return Err(unknown(format!("--vary {name}"), value, known));
+                    return Err(unknown(format!("--vary {name}"), value, known, ""));
                 }
             }
         }
@@ -98,16 +98,22 @@ fn target(name: &str) -> Result<Target, StudyError> {
         return Ok(Target::Case(path));
     }
     let known: Vec<&str> = SHORT.iter().map(|of| of.0).chain(FLAGS.iter().map(|of| of.0)).collect();
-    Err(unknown("--vary".to_owned(), name, &known))
+    let or = ", or a path in the case such as time.linear_tolerance";
+    Err(unknown("--vary".to_owned(), name, &known, or))
 }
 
-fn unknown(what: String, text: &str, known: &[&str]) -> StudyError {
+/// A name that is none of the `known` ones, with the nearest of these; `or` is what else it may be.
+fn unknown(what: String, text: &str, known: &[&str], or: &str) -> StudyError {
     /// Below this similarity (0 to 1) a suggestion would confuse.
     const SIMILAR: f64 = 0.7;
-    let similarity = |name: &&&str| strsim::jaro_winkler(text, name);
+    // One slip is similar in the shortest of names too, where the measure is not of much use.
+    let similarity = |name: &&&str| match strsim::osa_distance(text, name) {
+        0 | 1 => 1.0,
+        _ => strsim::jaro_winkler(text, name),
+    };
     let nearest = known.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
     let nearest = nearest.filter(|name| similarity(name) >= SIMILAR).map(|name| (*name).to_owned());
-    let known = known.join(", ");
+    let known = known.join(", ") + or;
     StudyError::UnknownName { what, text: text.to_owned(), nearest, known }
 }
 

@@ -9,6 +9,12 @@ pub(super) fn analyse(report: &mut StudyReport) {
     mark_front(report);
     report.orders = orders(report, "spacing", |point, _| Some(point.spacing));
     report.orders.extend(orders(report, "step", |_, of| of.dt));
+    if !report.measured().any(|(_, of)| of.error.is_some()) {
+        let why = "There is nothing to compare with: the case has no exact solution, and no two runs \
+                   have a probe of one name.";
+        report.remarks.push(why.to_owned());
+        return;
+    }
     report.recommendations = TARGETS.map(|target| recommend(report, target)).to_vec();
     report.peers_ahead = peers_ahead(report);
 }

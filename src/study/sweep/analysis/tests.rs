@@ -95,6 +95,18 @@ fn the_cheapest_setting_is_recommended_or_none() {
 }
 
 #[test]
+fn nothing_is_recommended_without_errors() {
+    let mut study = StudyReport { recommendations: Vec::new(), ..two_series() };
+    study.remarks.clear();
+    for point in &mut study.points {
+        point.result.as_mut().expect("it ran").error = None;
+    }
+    analyse(&mut study);
+    assert!(study.recommendations.is_empty() && study.orders.is_empty());
+    assert!(study.remarks[0].contains("nothing to compare with"), "{:?}", study.remarks);
+}
+
+#[test]
 fn it_is_said_plainly_where_other_programs_win() {
     let mut study = two_series();
     let peers = |solve: f64, error: f64| {
