@@ -266,7 +266,7 @@ fn bad_input_is_refused_with_what_is_wrong() {
         (&["gaussian_small", "--vary", "method=eulr,rkl2"], &["eulr", "did you mean \"euler\""]),
         (&["gaussian_small", "--vary", "precision=f23"], &["f23", "did you mean \"f32\""]),
         (&["gaussian_small", "--vary", "time.stp=1"], &["time.stp", "did you mean \"step\""]),
-        (&["gaussian_small", "--vary", "spacing=-1"], &["particles.spacing", "above 0"]),
+        (&["gaussian_small", "--vary", "spacing=-1"], &["particles.spacing", "must be positive"]),
         (&["gaussian_small", "--budget", "soon"], &["--budget", "soon"]),
         (&["gaussian_small", "--repeat", "0"], &["--repeat"]),
         (&["gaussian_small", "--with", "bad.json"], &["bad.json", "peers_version", "must be 1"]),

@@ -39,7 +39,7 @@ impl StudyReport {
             sections.push(Section::new("Observed orders of accuracy", [list(&orders)]));
         }
         sections.push(self.what_it_consists_of());
-        sections.extend(self.others());
+        sections.extend(self.other_programs());
         if !self.skipped.is_empty() {
             let skipped: Vec<String> =
                 self.skipped.iter().map(|of| format!("{}: {}", of.label, of.why)).collect();
@@ -87,7 +87,7 @@ impl StudyReport {
         Section::new("What the error consists of", body)
     }
 
-    fn others(&self) -> Option<Section> {
+    fn other_programs(&self) -> Option<Section> {
         let peers = self.peers.as_ref()?;
         let row = |peer: &PeerPoint| {
             vec![

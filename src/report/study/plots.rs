@@ -51,17 +51,6 @@ impl StudyReport {
             let Time { x, spread } = Time::of(of);
             Some(mark(point, of, x, error, spread))
         });
-        let peers = self.peers.iter().flat_map(|peers| &peers.points);
-        let others: Vec<Mark> = peers
-            .map(|peer| Mark {
-                x: peer.total_s(),
-                y: peer.l2_relative,
-                spread: None,
-                label: peer.name(),
-                first: true,
-            })
-            .filter(|mark| is_drawable(mark.x) && is_drawable(mark.y))
-            .collect();
         let mut front: Vec<(f64, f64)> = self
             .measured()
             .filter(|(_, of)| of.pareto)
@@ -69,10 +58,7 @@ impl StudyReport {
             .filter(|(x, y)| is_drawable(*x) && is_drawable(*y))
             .collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if !others.is_empty() {
-            let name = "other programs".to_owned();
-            series.push(Series { name, marks: others, joined: false, of_others: true });
-        }
+        series.extend(self.others());
         let chart = chart(
             format!("{}: error against run time", self.case),
             ("set-up and solution, wall time", wall_time, 9),
@@ -81,8 +67,33 @@ impl StudyReport {
             Some(("Pareto front".to_owned(), front)),
         )?;
         let caption = "Medians, with lines from the fastest to the slowest run. Numbers are those of \
-                       the table; points on the Pareto front also have their spacing.";
+                       the table; points on the Pareto front also have their spacing. Diamonds are other \
+                       programs.";
         Some(("error_time", chart, caption))
+    }
+
+    /// What other programs did, a series a program. Labels are short: the table has all of them.
+    fn others(&self) -> Vec<Series> {
+        let Some(peers) = &self.peers else { return Vec::new() };
+        let mut all: Vec<Series> = Vec::new();
+        for peer in &peers.points {
+            let label = peer.setting.split(',').next().unwrap_or_default().to_owned();
+            let (x, y) = (peer.total_s(), peer.l2_relative);
+            let mark = Mark { x, y, spread: None, label, first: true };
+            if !is_drawable(x) || !is_drawable(y) {
+                continue;
+            }
+            match all.iter_mut().find(|series| series.name == peer.tool) {
+                Some(series) => series.marks.push(mark),
+                None => all.push(Series {
+                    name: peer.tool.clone(),
+                    marks: vec![mark],
+                    joined: false,
+                    of_others: true,
+                }),
+            }
+        }
+        all
     }
 
     fn over_applications(&self) -> Option<(&'static str, Chart, &'static str)> {

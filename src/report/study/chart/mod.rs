@@ -34,8 +34,8 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(0x3c, 0x9c, 0xa6),
 ];
 
-/// The colour of what other programs did.
-const OTHERS: RGBColor = RGBColor(0x80, 0x86, 0x8e);
+/// The shape of what other programs did.
+const OF_OTHERS: usize = 3;
 
 /// A chart.
 pub(super) struct Chart {
@@ -99,10 +99,12 @@ impl Chart {
     }
 
     fn look(&self, index: usize) -> Look {
-        if self.series[index].of_others {
-            return Look { color: OTHERS, shape: 3 };
-        }
-        Look { color: COLORS[index % COLORS.len()], shape: index / COLORS.len() % 3 }
+        let color = COLORS[index % COLORS.len()];
+        let shape = match self.series[index].of_others {
+            true => OF_OTHERS,
+            false => index / COLORS.len() % OF_OTHERS,
+        };
+        Look { color, shape }
     }
 
     /// Where a point lies, in shown units.
