@@ -6,7 +6,7 @@ use criterion::{Criterion, Throughput};
 use diffusph::case::{self, Override};
 use diffusph::model::Problem;
 use diffusph::model::lattice::LatticeScene;
-use diffusph::model::operator::WallRows;
+use diffusph::model::operator::SourceRows;
 use diffusph::model::operator::rows::{assemble, cell_grid, survey};
 use diffusph::model::stability::safe_step;
 use diffusph::solver::Backend;
@@ -39,7 +39,7 @@ fn hot_kernels(criterion: &mut Criterion) {
             bencher.iter(|| list.euler(0.0, step, 1).expect("a step"));
         });
         let scene = LatticeScene::of(&problem).expect("a lattice");
-        let mut lattice = CpuBackend::lattice(&problem, scene, WallRows::default());
+        let mut lattice = CpuBackend::lattice(&problem, scene, SourceRows::default());
         group.bench_function(format!("step by lattice, H = {support_ratio} dx"), |bencher| {
             bencher.iter(|| lattice.euler(0.0, step, 1).expect("a step"));
         });

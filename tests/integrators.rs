@@ -306,6 +306,8 @@ fn what_cannot_be_done_is_an_error() {
     fails(&line, json!({ "end": 1, "method": "heun", "step": 0.1 }), "above the stability limit");
     let tight = json!({ "end": 1, "method": "rkl2", "tolerance": { "relative": 1e-14 } });
     fails(&line, tight, "less than f64 can give");
+    let solved = json!({ "end": 1, "method": "tr_bdf2", "step": 0.1, "linear_tolerance": 1e-14 });
+    fails(&line, solved, "time.linear_tolerance is 1.0e-14, less than f64 can give");
     let euler = json!({ "end": 1, "tolerance": { "relative": 1e-3 } });
     fails(&line, euler, "time.tolerance: not used: the method euler has no estimate");
     let both = json!({

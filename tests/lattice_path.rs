@@ -228,8 +228,14 @@ fn shipped_cases_take_the_path_that_they_can() {
         let left = |what: &str| taken.left_out.iter().any(|left| left.what == what);
         assert!(left("neighbour list and weights"), "{name}");
         // Walls that impose something are folded by a walk over cells.
-        let walled =
-            ["flux_plate", "heated_plate", "flux_half_space", "cooling_plate", "swinging_bar"];
+        let walled = [
+            "flux_plate",
+            "heated_plate",
+            "flux_half_space",
+            "cooling_plate",
+            "swinging_bar",
+            "fin",
+        ];
         assert_eq!(left("sorting into cells"), !walled.contains(&name.as_str()), "{name}");
         let general = report(&name, PathWish::List, coarse);
         assert_eq!(taken.steps, general.steps, "{name}");

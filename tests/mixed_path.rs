@@ -13,6 +13,12 @@ use diffusph::solver::{Backend, Machine, MachineKind, PathChoice, PathWish, Plan
 use diffusph::study::{self, RunOptions};
 use serde_json::{Value, json};
 
+use scenes::sources_and_boundaries;
+
+#[expect(dead_code, reason = "the tests of the plain lattice use the rest")]
+#[path = "lattice_path/scenes.rs"]
+mod scenes;
+
 /// The lattice distance of every scene here, m.
 const SPACING: f64 = 0.25;
 
@@ -59,6 +65,7 @@ fn scene(
     let material = |(k, (_, diffusivity)): (usize, &(Value, f64))| {
         (name(k), json!({ "diffusivity": diffusivity }))
     };
+    let (sources, boundaries) = sources_and_boundaries(json!(boundaries));
     let case = json!({
         "title": "mixed",
         "dimension": dimension,
@@ -70,6 +77,7 @@ fn scene(
         "materials": shapes.iter().enumerate().map(material).collect::<serde_json::Map<_, _>>(),
         "initial": [{ "value": format!("300 + 10*sin({wave})") }],
         "boundaries": boundaries,
+        "sources": sources,
         "time": { "end": 1 }
     });
     case::from_json("mixed", case, &[]).unwrap_or_else(|error| panic!("{error}")).problem
@@ -130,6 +138,22 @@ fn problems(
         (
             "hole, fluxes and held",
             make(&holed, &[all(json!({ "flux": "sin(30*t)" })), held.clone()]),
+        ),
+        (
+            "hole, sources",
+            make(
+                &holed,
+                &[
+                    all(json!({ "value": 310 })),
+                    held.clone(),
+                    json!({ "source": { "rate": "200*cos(30*t) + x", "linear": "-3 - x" } }),
+                    json!({ "source": { "linear": 0.7, "where": ball(dimension, 0.7, 1.0) } }),
+                ],
+            ),
+        ),
+        (
+            "layers, sources",
+            make(&layers, &[all(json!({ "flux": 1 })), json!({ "source": { "rate": 90 } })]),
         ),
         ("hole, convection", make(&holed, &[all(convection.clone())])),
         ("layers", make(&layers, &[])),
@@ -221,8 +245,14 @@ fn apart(problem: &Problem, mixed: &mut CpuBackend) -> Apart {
         PairMean::Harmonic => 300.0 * bound * diffusivity(p) / largest,
         PairMean::Arithmetic => 300.0 * bound,
     };
+    // What sources add is rounded with the rest.
+    let fed = |p: usize| {
+        let x = problem.particles.position[p];
+        let here = problem.sources.iter().filter(|source| source.acts_on(p));
+        here.map(|s| s.rate.at(x, 0.3).abs() + 310.0 * s.linear.at(x, 0.0).abs()).sum::<f64>()
+    };
     let pairs = a.as_ref().iter().zip(b.as_ref()).enumerate();
-    let rates = pairs.map(|(p, (a, b))| (a - b).abs() / scale(p)).fold(0.0, f64::max);
+    let rates = pairs.map(|(p, (a, b))| (a - b).abs() / (scale(p) + fed(p))).fold(0.0, f64::max);
     let (dt, steps) = (0.9 / bound, if problem.dimension < 3 { 200 } else { 60 });
     list.euler(0.0, dt, steps).expect("steps");
     mixed.euler(0.0, dt, steps).expect("steps");

@@ -74,7 +74,7 @@ impl Assembled {
 
     fn rate(&self, state: &[f64], t: f64) -> Vec<f64> {
         let mut source = Vec::new();
-        self.rows.walls().source_at(t, &mut source);
+        self.rows.sources().source_at(t, &mut source);
         let mut rate = vec![0.0; state.len()];
         self.rows.apply(state, &source, &mut rate, |_, rate| rate);
         rate

@@ -2,7 +2,7 @@
 
 use diffusph::model::operator::rows::{cell_grid, survey, wall_fold};
 use diffusph::model::{
-    Condition, Face, KernelKind, Problem, Region, ScalarField, Surface, Wall, WallKind,
+    Condition, Face, KernelKind, Problem, Region, ScalarField, Source, Surface, Wall, WallKind,
 };
 use diffusph::solver::cpu::CpuBackend;
 use diffusph::solver::gpu::{GpuBackend, GpuOptions};
@@ -115,6 +115,41 @@ fn rates_agree_for_every_kind_dimension_kernel_and_precision() {
     }
 }
 
+/// The same with sources, one of them everywhere.
+fn fed(kind: WallKind, dimension: usize, changing: bool) -> Problem {
+    let mut problem = walled(KernelKind::CubicSpline, dimension, kind, changing);
+    let count = problem.particles.len() as u32;
+    let source = |particles, rate, linear| Source {
+        name: "source".into(),
+        particles,
+        rate,
+        linear: ScalarField::constant(linear),
+    };
+    let wave = ScalarField::new("wave", |x, t| 3e4 * (1e6 * x.x + 300.0 * t).sin());
+    problem.sources = vec![
+        source(None, wave.depending_on(true, changing), -40.0),
+        source(Some((count / 3..count / 2).collect()), ScalarField::constant(0.0), 9.0),
+    ];
+    problem
+}
+
+#[test]
+fn sources_agree_and_a_changed_one_is_noticed() {
+    for dimension in 1..=3 {
+        for precision in Precision::ALL {
+            for kind in [WallKind::Free, WallKind::Value] {
+                let problem = fed(kind, dimension, precision == Precision::F64);
+                let apart = rates_apart(&problem, &problem, precision, 0.013);
+                assert_eq!(apart, 0, "{kind:?} {dimension}-D {precision:?}");
+                let mut changed = problem.clone();
+                changed.sources[1].linear = ScalarField::constant(9.1);
+                let apart = rates_apart(&problem, &changed, precision, 0.013);
+                assert!(apart > 0, "{kind:?} {dimension}-D {precision:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_changed_wall_is_noticed() {
     for precision in Precision::ALL {
@@ -139,7 +174,7 @@ fn total(problem: &Problem, state: &[f64]) -> f64 {
 fn fields_and_balances_agree_after_many_steps_that_change_in_time() {
     for kind in WallKind::ALL {
         for changing in [false, true] {
-            let problem = walled(KernelKind::WendlandC2, 2, kind, changing);
+            let problem = fed(kind, 2, changing);
             let survey = survey(&problem, &cell_grid(&problem));
             let dt = 0.9 / survey.rate_bound;
             let mut here = CpuBackend::of(&problem);

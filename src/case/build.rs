@@ -11,6 +11,7 @@ use super::initial::{Ground, Initial, resolve as resolve_initial};
 use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
 use super::schema::{Case, MaterialSpec};
+use super::source::resolve as resolve_sources;
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
@@ -55,12 +56,13 @@ fn problem(
         particles: &particles,
     };
     let (walls, surfaces) = resolve_walls(&case.boundaries, &body, warnings)?;
+    let time = time(case, &evaluator)?;
+    let sources = resolve_sources(&case.sources, &body, time.end, warnings)?;
     let (pair_mean, correction) = operator(case)?;
     let ground = Ground { evaluator: &evaluator, domain: &domain, spacing, particles: &particles };
     let mut initial = resolve_initial(&case.initial, &ground)?;
     let held = hold(&case.boundaries, &evaluator, &particles, spacing, &mut initial.value)?;
     warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
-    let time = time(case, &evaluator)?;
     let setting = Setting {
         evaluator: &evaluator,
         domain: &domain,
@@ -84,6 +86,7 @@ fn problem(
         held,
         walls,
         surfaces,
+        sources,
         time,
     };
     Ok((problem, exact))
@@ -123,6 +126,9 @@ fn solution(
         return Ok(None);
     };
     let (solution, expression) = resolve_exact(spec, setting)?;
+    if !case.sources.is_empty() && !solution.allows_sources() {
+        return Err(CaseError::ExactWithoutSources { name: solution.name() });
+    }
     if let Some(field) = expression {
         try_out(&field, position, end)?;
     }

@@ -262,6 +262,12 @@ pub enum CaseError {
         /// Why the scene does not give it.
         reason: String,
     },
+    /// A named solution of a scene with sources, which it does not know.
+    #[error("exact: the solution {name} knows no sources; compare with an expression")]
+    ExactWithoutSources {
+        /// The solution's name.
+        name: &'static str,
+    },
     /// A wall or a surface that does not fit.
     #[error(transparent)]
     Wall(#[from] WallError),

@@ -18,6 +18,7 @@ mod plan;
 mod schema;
 mod shape;
 mod shipped;
+mod source;
 mod unused;
 mod wall;
 

@@ -11,6 +11,7 @@ use super::OutputField;
 use super::exact::ExactSpec;
 use super::number::{Number, Point};
 use super::shape::ShapeSpec;
+use super::source::SourceSpec;
 use super::wall::{SurfaceSpec, WallSpec};
 use crate::model::integrator::{Method, MethodChoice, Preconditioner};
 use crate::model::{Correction, KernelKind, PairMean};
@@ -40,6 +41,9 @@ pub(super) struct Case {
     /// Held particles, periodic axes, walls and surfaces. Faces that are not listed are free.
     #[serde(default)]
     pub(super) boundaries: Vec<BoundarySpec>,
+    /// What particles get beside what flows between them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) sources: Vec<SourceSpec>,
     pub(super) time: TimeSpec,
     /// What the result is compared with.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -77,6 +77,11 @@ impl Solution {
         }
     }
 
+    /// Whether it may be that of a scene with sources.
+    pub fn allows_sources(&self) -> bool {
+        matches!(self, Self::Uniform { .. } | Self::Affine { .. } | Self::Expression(_))
+    }
+
     /// The value at position `x` (m) and time `t` (s).
     pub fn at(&self, x: DVec3, t: f64) -> f64 {
         match self {

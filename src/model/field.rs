@@ -51,6 +51,12 @@ impl ScalarField {
         (self.function)(x, t)
     }
 
+    /// The number that it is everywhere and always; `None` if it is not.
+    pub fn as_constant(&self) -> Option<f64> {
+        let is_constant = !(self.depends_on_position || self.depends_on_time);
+        is_constant.then(|| self.at(DVec3::ZERO, 0.0))
+    }
+
     /// How the user wrote it.
     pub fn text(&self) -> &str {
         &self.text

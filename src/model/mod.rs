@@ -12,6 +12,7 @@ pub mod particles;
 pub mod problem;
 #[cfg(test)]
 pub(crate) mod scenes;
+pub mod source;
 pub mod stability;
 pub mod sum;
 pub mod wall;
@@ -22,5 +23,6 @@ pub use kernel::{Kernel, KernelKind};
 pub use material::Material;
 pub use operator::{Correction, PairMean};
 pub use particles::{Domain, Particles};
-pub use problem::{Probe, Problem, StepChoice, TimePlan};
+pub use problem::{LinearSources, Probe, Problem, StepChoice, TimePlan};
+pub use source::Source;
 pub use wall::{Condition, Face, Region, Surface, Wall, WallKind};

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::integrator::{MethodChoice, Preconditioner, Tolerance};
 use super::{
-    Correction, Domain, Kernel, Material, PairMean, Particles, ScalarField, Surface, Wall,
+    Correction, Domain, Kernel, Material, PairMean, Particles, ScalarField, Source, Surface, Wall,
 };
 
 /// A validated scene in SI units and f64: complete, so that no backend reads anything else.
@@ -37,6 +37,8 @@ pub struct Problem {
     pub walls: Vec<Wall>,
     /// Surfaces that are no faces of the domain.
     pub surfaces: Vec<Surface>,
+    /// What particles get from nobody.
+    pub sources: Vec<Source>,
     /// Duration, step and output times.
     pub time: TimePlan,
     /// Where the value is recorded over time.
@@ -77,6 +79,15 @@ pub enum StepChoice {
     Tolerance(Tolerance),
 }
 
+/// What sources in proportion to the value do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinearSources {
+    /// The largest -s1, 1/s.
+    pub damping: f64,
+    /// The largest s1, 1/s.
+    pub growth: f64,
+}
+
 /// A place where the value is recorded over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -98,12 +109,35 @@ impl Problem {
         self.materials[material].density * self.particles.volume[particle]
     }
 
-    /// What walls and surfaces impose, in this order: their value, flux or ambient value. The
-    /// index is what [`crate::model::operator::fold::Term::imposed`] means.
+    /// What walls, surfaces and sources impose, in this order: their value, flux or ambient value, and
+    /// the s0 of a source. The index is what [`crate::model::operator::fold::Term::imposed`] means.
     pub fn imposed(&self) -> Vec<&ScalarField> {
         let conditions = self.walls.iter().map(|wall| &wall.condition);
         let conditions = conditions.chain(self.surfaces.iter().map(|surface| &surface.condition));
-        conditions.map(|condition| &condition.imposed).collect()
+        let sources = self.sources.iter().map(|source| &source.rate);
+        conditions.map(|condition| &condition.imposed).chain(sources).collect()
+    }
+
+    /// The factor s1 of particle `particle` from all its sources together, 1/s.
+    pub fn linear_source(&self, particle: usize) -> f64 {
+        let here = self.sources.iter().filter(|source| source.acts_on(particle));
+        let x = self.particles.position[particle];
+        here.map(|source| source.linear.at(x, 0.0)).sum()
+    }
+
+    /// The largest factor -s1 by which sources damp a particle that is not held, and the largest s1 by
+    /// which they make one grow, 1/s; 0 where there is none.
+    pub fn linear_sources(&self) -> LinearSources {
+        let mut found = LinearSources::default();
+        let is_linear = |source: &&Source| source.linear.as_constant() != Some(0.0);
+        for source in self.sources.iter().filter(is_linear) {
+            for particle in source.indices(self.particles.len()).filter(|&p| !self.is_held(p)) {
+                let factor = self.linear_source(particle);
+                found.damping = found.damping.max(-factor);
+                found.growth = found.growth.max(factor);
+            }
+        }
+        found
     }
 
     /// The largest diffusivity of any material, m2/s.

@@ -44,6 +44,7 @@ pub(crate) fn lattice(
         held: Vec::new(),
         walls: Vec::new(),
         surfaces: Vec::new(),
+        sources: Vec::new(),
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Automatic,

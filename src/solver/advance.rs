@@ -120,7 +120,13 @@ pub fn advance<B: Backend, O: Observer>(
             }
         }
         Kind::Steady { reduction, rounding, applications } => {
-            *applications = solve_steady(backend, problem, *reduction, *rounding)?;
+            let at_start = Progress { step: 0, steps: 1, time: 0.0, still: None };
+            let mut watch = || observer.progress(at_start);
+            let solved = solve_steady(backend, problem, *reduction, *rounding, &mut watch);
+            if let Err(SolverError::Interrupted { .. }) = solved {
+                observer.last_state(0.0, backend.read()?.as_ref())?;
+            }
+            *applications = solved?;
             for segment in Schedule::new(&problem.time, f64::INFINITY) {
                 record(backend, observer, &segment)?;
             }

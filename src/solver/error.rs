@@ -37,7 +37,7 @@ pub enum SolverError {
         /// The kernel's name.
         kernel: &'static str,
     },
-    /// A wall imposes something that is not finite where a ghost needs it.
+    /// A wall or source imposes something that is not finite where a ghost or a particle needs it.
     #[error(
         "{wall}: \"{text}\" is not finite at {at}; where two walls meet, each is also evaluated up \
          to a support radius beyond the body"
@@ -151,15 +151,15 @@ pub enum SolverError {
         /// What it had come to.
         failed: SolveFailure,
     },
-    /// A steady state of walls that change.
+    /// A steady state of walls or sources that change.
     #[error(
-        "what walls impose changes in time: there is no steady state; give another time.method"
+        "what walls or sources impose changes in time: there is no steady state; give another time.method"
     )]
     NeverSteady,
-    /// Walls whose flows do not cancel, and nothing that takes them up.
+    /// Flows from walls and sources that do not cancel, and nothing that takes them up.
     #[error(
-        "there is no steady state: {flow:.3e} (value x volume) a second enter through walls, and nothing \
-         holds a value"
+        "there is no steady state: {flow:.3e} (value x volume) a second enter through walls or from sources, \
+         and nothing holds a value"
     )]
     NoSteadyState {
         /// What enters a second, value x volume.
@@ -172,6 +172,19 @@ pub enum SolverError {
     )]
     TooTight {
         /// What is asked for, in the unit of the field.
+        tolerance: f64,
+        /// What can be had.
+        finest: f64,
+        /// The precision.
+        precision: Precision,
+    },
+    /// Linear systems that are to be solved better than the precision can.
+    #[error(
+        "time.linear_tolerance is {tolerance:.1e}, less than {} can give, {finest:.1e}; raise it, or take \
+         a better --precision", .precision.name()
+    )]
+    LinearTooTight {
+        /// What is asked for.
         tolerance: f64,
         /// What can be had.
         finest: f64,
@@ -213,7 +226,8 @@ impl SolverError {
             | Self::NotSymmetric { .. }
             | Self::NeverSteady
             | Self::NoSteadyState { .. }
-            | Self::TooTight { .. } => true,
+            | Self::TooTight { .. }
+            | Self::LinearTooTight { .. } => true,
             Self::Diverged { .. }
             | Self::NotRepeatable { .. }
             | Self::Interrupted { .. }
@@ -252,7 +266,9 @@ impl SolverError {
     /// What is wrong with a wall or surface, by its name.
     pub fn of_fault(problem: &Problem, fault: Fault) -> Self {
         let walls = problem.walls.iter().map(|wall| &wall.name);
-        let mut names = walls.chain(problem.surfaces.iter().map(|surface| &surface.name));
+        let surfaces = problem.surfaces.iter().map(|surface| &surface.name);
+        let sources = problem.sources.iter().map(|source| &source.name);
+        let mut names = walls.chain(surfaces).chain(sources);
         let mut name = |index| names.nth(index).cloned().unwrap_or_default();
         match fault {
             Fault::NotFinite { imposed, at } => {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{MachineKind, SolverError, gpu};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
-use crate::model::operator::WallNeeds;
+use crate::model::operator::FoldNeeds;
 use crate::model::wall::WalledFace;
 
 /// What runs for a scene: a pure function of the problem and the kind of machine.
@@ -155,8 +155,8 @@ pub struct Needs {
     pub periodic: bool,
     /// Particles differ in volume or diffusivity.
     pub coefficients: bool,
-    /// What walls and surfaces ask for.
-    pub walls: WallNeeds,
+    /// What walls, surfaces and sources ask for.
+    pub walls: FoldNeeds,
 }
 
 impl Needs {
@@ -173,7 +173,7 @@ impl Needs {
             held: !problem.held.is_empty(),
             periodic: problem.domain.periodic[..problem.dimension].contains(&true),
             coefficients: !(same_volume && same_diffusivity),
-            walls: WallNeeds::of(problem),
+            walls: FoldNeeds::of(problem),
         }
     }
 }
@@ -231,7 +231,7 @@ impl Plan {
         };
         // Insulation is part of a stencil.
         let least =
-            if self.path == Path::Lattice { WallNeeds::Steady } else { WallNeeds::Insulated };
+            if self.path == Path::Lattice { FoldNeeds::Steady } else { FoldNeeds::Insulated };
         if self.needs.walls >= least {
             if self.path == Path::Lattice {
                 passes.push("sort");
@@ -255,10 +255,10 @@ impl Plan {
             return passes;
         }
         let mut passes = Vec::new();
-        if self.needs.walls == WallNeeds::Changing {
-            passes.push("wall_sources");
+        if self.needs.walls == FoldNeeds::Changing {
+            passes.push("sources");
         }
-        if self.needs.held || self.needs.walls >= WallNeeds::Steady {
+        if self.needs.held || self.needs.walls >= FoldNeeds::Steady {
             passes.push("exchange");
         }
         passes.push("step");
@@ -297,7 +297,7 @@ impl Plan {
                 let why = "the particles fill a lattice: the sum over neighbours is one stencil";
                 leave("neighbour list and weights", why, of_list);
                 // Walls that act are folded by a walk over cells.
-                if needs.walls < WallNeeds::Steady {
+                if needs.walls < FoldNeeds::Steady {
                     leave("sorting into cells", why, particles * 4);
                 }
             }
@@ -374,16 +374,20 @@ const PARTICLE_BYTES: u64 = 42;
 
 fn leave_walls(
     problem: &Problem,
-    walls: WallNeeds,
+    walls: FoldNeeds,
     leave: &mut impl FnMut(&'static str, &str, u64),
 ) {
     match walls {
-        WallNeeds::None => return leave("wall fold", "no face has a wall with ghosts", 0),
-        WallNeeds::Insulated => leave("wall sources", "every wall with ghosts is insulated", 0),
-        WallNeeds::Steady => {
-            leave("wall sources at every step", "what walls impose does not change in time", 0);
+        FoldNeeds::None => return leave("wall fold", "no face has a wall with ghosts", 0),
+        FoldNeeds::Insulated => leave("wall sources", "every wall with ghosts is insulated", 0),
+        FoldNeeds::Steady => {
+            leave(
+                "sources at every step",
+                "what walls and sources impose does not change in time",
+                0,
+            );
         }
-        WallNeeds::Changing => {}
+        FoldNeeds::Changing => {}
     }
     let faces = WalledFace::all(&problem.walls, problem.dimension);
     let reach = problem.kernel.cutoff();
@@ -449,8 +453,8 @@ mod tests {
             let has = |what: &str| plan.left_out.iter().any(|left| left.what == what);
             let passes = plan.passes(&problem);
             let runs = |pass: &str| passes.contains(&pass);
-            let left = [has("wall fold"), has("wall sources"), has("wall sources at every step")];
-            (left, [runs("wall_fold"), runs("exchange"), runs("wall_sources")])
+            let left = [has("wall fold"), has("wall sources"), has("sources at every step")];
+            (left, [runs("wall_fold"), runs("exchange"), runs("sources")])
         };
         let changing = ScalarField::new("t", |_, t| t);
         let steady = ScalarField::constant(3.0);

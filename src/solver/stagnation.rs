@@ -12,7 +12,7 @@
 //! fills from its ends, a quarter of that was lost after 28 032 steps.
 
 use crate::model::integrator::Schedule;
-use crate::model::operator::WallNeeds;
+use crate::model::operator::FoldNeeds;
 use crate::model::stability::ReportBounds;
 use crate::model::{Problem, StepChoice};
 
@@ -61,7 +61,7 @@ impl Foreseen {
         if problem.time.end <= 0.0 {
             return Self::Good;
         }
-        if WallNeeds::of(problem) >= WallNeeds::Steady {
+        if FoldNeeds::of(problem) >= FoldNeeds::Steady {
             return Self::Driven;
         }
         let of_values = |start: f64, join: fn(f64, f64) -> f64| {
@@ -101,7 +101,9 @@ impl Foreseen {
                 "in f32 steps add as little as {increment:.1e}, of which all below {half_ulp:.1e} \
                  is lost: the field would stand still about {error:.1e} short of its end"
             )),
-            Self::Driven => Some("f32 may lose what walls or surfaces add in a step".to_owned()),
+            Self::Driven => {
+                Some("f32 may lose what walls, surfaces or sources add in a step".to_owned())
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use super::SolverError;
 use super::method::ChosenMethod;
 use super::plan::Path;
 use crate::model::integrator::{Method, Schedule, Tolerance};
-use crate::model::operator::WallNeeds;
+use crate::model::operator::FoldNeeds;
 use crate::model::operator::rows::{Rows, Survey};
 use crate::model::stability::{LargestEigenvalue, ReportBounds, largest_eigenvalue, safe_step};
 use crate::model::{Problem, StepChoice};
@@ -102,7 +102,7 @@ pub fn choose_step(
     if method.is_implicit() && !survey.symmetric {
         return Err(SolverError::NotSymmetric { method: method.name() });
     }
-    if method == Method::Steady && WallNeeds::of(problem) == WallNeeds::Changing {
+    if method == Method::Steady && FoldNeeds::of(problem) == FoldNeeds::Changing {
         return Err(SolverError::NeverSteady);
     }
     let (dt, tolerance) = match problem.time.step {

@@ -13,7 +13,7 @@ use crate::model::Problem;
 use crate::model::integrator::Method;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wall_fold};
-use crate::model::operator::{SomeRows, WallNeeds, WallRows, floating_bodies};
+use crate::model::operator::{FoldNeeds, SomeRows, SourceRows, floating_bodies};
 use crate::report::format::simulated_time;
 use crate::report::run::{
     Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
@@ -193,7 +193,7 @@ pub enum Operator {
         /// The lattice.
         scene: Arc<LatticeScene>,
         /// What walls add to it, by site.
-        walls: WallRows,
+        walls: SourceRows,
     },
     /// A stencil and rows.
     Mixed {
@@ -249,9 +249,9 @@ pub fn prepare(
 pub fn lattice_walls(
     problem: &Problem,
     scene: &LatticeScene,
-) -> Result<(WallRows, bool), SolverError> {
-    if WallNeeds::of(problem) < WallNeeds::Steady {
-        return Ok((WallRows::default(), false));
+) -> Result<(SourceRows, bool), SolverError> {
+    if FoldNeeds::of(problem) < FoldNeeds::Steady {
+        return Ok((SourceRows::default(), false));
     }
     let grid = cell_grid(problem);
     let fold = wall_fold(problem, &grid);

@@ -1,7 +1,7 @@
 //! What a run that stands still is short of.
 
 use super::run::{Driver, Prepared, start};
-use crate::model::operator::WallNeeds;
+use crate::model::operator::FoldNeeds;
 use crate::model::{Problem, StepChoice};
 use crate::solver::{
     Backend, Machine, MachineKind, PathChoice, PathWish, SolverError, Still, slowest_rates,
@@ -37,7 +37,7 @@ impl Driver for Largest {
 
 /// What to say of a run whose field `state` stands still at its `end` (s), if that is no steady state:
 /// its rate is evaluated in f64, and what that would change in the time that was left is missing, or,
-/// where walls impose nothing, in the time in which a wave over the body decays, if that is shorter.
+/// where walls and sources impose nothing, in the time in which a wave over the body decays, if that is shorter.
 pub(super) fn stagnated(
     problem: &Problem,
     state: &[f64],
@@ -55,7 +55,7 @@ pub(super) fn stagnated(
     };
     let left = end - still.time;
     let [slowest, _] = slowest_rates(problem);
-    let is_driven = WallNeeds::of(problem) >= WallNeeds::Steady;
+    let is_driven = FoldNeeds::of(problem) >= FoldNeeds::Steady;
     let missing = largest * if is_driven { left } else { left.min(1.0 / slowest) };
     let values = state.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     (missing > UNSAID * values).then(|| {

@@ -70,6 +70,7 @@ pub(crate) fn scene(
         initial: vec![0.0; count],
         walls: Vec::new(),
         surfaces: Vec::new(),
+        sources: Vec::new(),
         held: Vec::new(),
         time: TimePlan {
             end: 1.0,

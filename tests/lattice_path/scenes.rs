@@ -4,7 +4,7 @@ use diffusph::case::{self, Scene};
 use diffusph::model::KernelKind;
 use serde_json::{Value, json};
 
-/// A box of these counts, with these boundaries.
+/// A box of these counts, with these boundaries and, among them, sources.
 pub(crate) fn scene(
     kernel: KernelKind,
     support_ratio: f64,
@@ -13,6 +13,7 @@ pub(crate) fn scene(
 ) -> Scene {
     let max: Vec<f64> = counts.iter().map(|&count| 0.25 * count as f64).collect();
     let wave = ["7.3*x", "7.3*x + 5.1*y", "7.3*x + 5.1*y - 3.7*z"][counts.len() - 1];
+    let (sources, boundaries) = sources_and_boundaries(boundaries);
     let case = json!({
         "title": "box",
         "dimension": counts.len(),
@@ -27,12 +28,22 @@ pub(crate) fn scene(
         "materials": { "m": { "diffusivity": 0.7 } },
         "initial": [{ "value": format!("300 + 10*sin({wave})") }],
         "boundaries": boundaries,
+        "sources": sources,
         "time": { "end": 1 }
     });
     case::from_json("box", case, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Boundaries of every kind that a lattice takes, for a scene of this dimension.
+/// What is a source of a list, and its boundaries.
+pub(crate) fn sources_and_boundaries(list: Value) -> (Vec<Value>, Vec<Value>) {
+    let list = list.as_array().expect("a list").iter();
+    let (sources, boundaries): (Vec<&Value>, Vec<&Value>) =
+        list.partition(|entry| entry.get("source").is_some());
+    let sources = sources.into_iter().map(|entry| entry["source"].clone());
+    (sources.collect(), boundaries.into_iter().cloned().collect())
+}
+
+/// Boundaries of every kind that a lattice takes, for a scene of this dimension, some with sources.
 pub(crate) fn boundaries(dimension: usize) -> Vec<Value> {
     let axes = &["x", "y", "z"][..dimension];
     let faces: Vec<String> =
@@ -42,6 +53,9 @@ pub(crate) fn boundaries(dimension: usize) -> Vec<Value> {
         "where": { "sphere": { "center": vec![1.1; dimension], "radius": 0.6 } }, "value": 250
     } });
     let convection = json!({ "convection": { "coefficient": 2, "ambient": "290 + 3*x" } });
+    let near = json!({ "sphere": { "center": vec![1.6; dimension], "radius": 0.9 } });
+    let mut normal = vec![0; dimension];
+    normal[0] = 1;
     let mut list = vec![
         json!([]),
         json!([{ "periodic": { "axes": axes } }]),
@@ -73,6 +87,17 @@ pub(crate) fn boundaries(dimension: usize) -> Vec<Value> {
             held
         ]));
     }
+    list.extend([
+        // Everywhere; and in parts, which overlap, beside walls and held particles.
+        json!([{ "source": { "rate": "400 - 90*x", "linear": "-2 - x" } }]),
+        json!([
+            { "wall": { "faces": faces, "kind": { "value": 310 } } },
+            held,
+            { "source": { "rate": "300*sin(30*t + x)", "where": near } },
+            { "source": { "linear": -3, "where": { "half_space": { "point": vec![1.4; dimension], "normal": normal } } } },
+            { "source": { "linear": 0.5, "where": near } }
+        ]),
+    ]);
     list
 }
 
@@ -89,6 +114,9 @@ pub(crate) const COUNTS: [&[usize]; 3] = [&[37], &[13, 11], &[9, 10, 11]];
 /// The same without the bodies that no particle of a box of these counts is in.
 pub(crate) fn without_far_bodies(boundaries: &Value, counts: [usize; 2]) -> Value {
     let is_near = |boundary: &&Value| {
+        if boundary.pointer("/source/where").is_some() {
+            return false;
+        }
         let Some(sphere) = boundary.pointer("/held/where/sphere") else {
             return true;
         };

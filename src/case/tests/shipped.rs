@@ -84,6 +84,7 @@ fn every_shipped_case_loads_and_repeats_from_its_resolved_form() {
             "constant_column",
             "cooling_plate",
             "density",
+            "fin",
             "flux_half_space",
             "flux_plate",
             "gaussian",

@@ -19,7 +19,7 @@ use super::{ABSENT, LatticeScene};
 use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
 use crate::model::operator::rows::Survey;
-use crate::model::operator::{PairWeight, SomeRows, Visit, WallNeeds};
+use crate::model::operator::{FoldNeeds, PairWeight, SomeRows, Visit};
 
 /// The least part of the box that particles have to fill: below it the states of the empty sites
 /// would take as much memory as the list.
@@ -36,7 +36,7 @@ pub struct MixedScene {
     pub ratios: Vec<(u32, f64)>,
     /// The sites without a particle.
     pub absent: Vec<Range<u32>>,
-    /// The sites with rows of their own, and those on which walls act beyond the stencil.
+    /// The sites with rows of their own, and those on which walls or sources act beyond the stencil.
     visits: Vec<Visit>,
     /// The sites without rows of their own.
     alike: Vec<Alike>,
@@ -60,8 +60,8 @@ impl MixedScene {
             return Err("the box around the particles has more sites than 32 bits number");
         }
         check_volume(problem)?;
-        let walls = WallNeeds::of(problem);
-        let allowed = if walls == WallNeeds::None { ON_SITE } else { ON_SITE_BY_WALLS };
+        let walls = FoldNeeds::of(problem);
+        let allowed = if walls == FoldNeeds::None { ON_SITE } else { ON_SITE_BY_WALLS };
         let order = order(problem, counts, allowed)?;
         let weight = PairWeight::new(problem);
         let base = fastest(problem);
@@ -78,7 +78,9 @@ impl MixedScene {
         };
         let kinds = kinds(problem, &lattice);
         let regular = regular(problem, &lattice, &kinds, &near);
-        let has_walls = |at| walls >= WallNeeds::Steady && near.wall(at);
+        let is_fed = |particle| problem.sources.iter().any(|source| source.acts_on(particle));
+        let has_sources =
+            |at, particle| walls >= FoldNeeds::Steady && (near.wall(at) || is_fed(particle));
         let mut scene = Self {
             lattice,
             ratios: Vec::new(),
@@ -87,7 +89,7 @@ impl MixedScene {
             alike: Vec::new(),
             particles,
         };
-        scene.sort_out(problem, &kinds, &regular, base, has_walls);
+        scene.sort_out(problem, &kinds, &regular, base, has_sources);
         Ok(scene)
     }
 
@@ -98,7 +100,7 @@ impl MixedScene {
         kinds: &[u16],
         regular: &[bool],
         base: usize,
-        has_walls: impl Fn([usize; 3]) -> bool,
+        has_sources: impl Fn([usize; 3], usize) -> bool,
     ) {
         let held = self.lattice.held_sites(&problem.held);
         let mut held = held.into_iter().peekable();
@@ -115,7 +117,7 @@ impl MixedScene {
                 self.visits.push(Visit { rank, whole: true });
             } else {
                 let at = self.lattice.at(site);
-                if has_walls(at) {
+                if has_sources(at, self.lattice.particle(site)) {
                     self.visits.push(Visit { rank, whole: false });
                 }
                 let alike = known.add(problem, &self.lattice, site, at, kind);
@@ -156,7 +158,7 @@ impl MixedScene {
         };
         let (mut survey, rows) = SomeRows::assemble(problem, order, &self.visits, neighbors);
         self.alike.iter().for_each(|alike| self.lattice.note(problem, alike, &mut survey));
-        (survey, rows)
+        (survey.with_sources(problem), rows)
     }
 
     /// Bytes that it holds, but for the order of its lattice.

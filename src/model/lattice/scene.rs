@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Edge, End, for_each_neighbor};
-use crate::model::operator::{PairWeight, WallNeeds};
+use crate::model::operator::{FoldNeeds, PairWeight};
 use crate::model::wall::WalledFace;
 use crate::model::{Face, Problem, Wall, WallKind};
 
@@ -71,9 +71,9 @@ impl LatticeScene {
         if !problem.surfaces.is_empty() {
             return Err("a surface that is no face of the domain acts on it");
         }
-        let allowed = match WallNeeds::of(problem) {
-            WallNeeds::None | WallNeeds::Insulated => ON_SITE,
-            WallNeeds::Steady | WallNeeds::Changing => ON_SITE_BY_WALLS,
+        let allowed = match FoldNeeds::of(problem) {
+            FoldNeeds::None | FoldNeeds::Insulated => ON_SITE,
+            FoldNeeds::Steady | FoldNeeds::Changing => ON_SITE_BY_WALLS,
         };
         let order = order(problem, counts, allowed)?;
         let weight = PairWeight::new(problem);

@@ -58,7 +58,7 @@ impl LatticeScene {
                 }
             }
         }
-        survey
+        survey.with_sources(problem)
     }
 
     /// The kinds of places along an axis: each near its ends, and one for all between.

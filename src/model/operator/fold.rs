@@ -1,4 +1,4 @@
-//! The wall fold: what ghosts behind walls, and surfaces, add to a row of the matrix.
+//! The fold: what ghosts behind walls, surfaces and sources add to a row of the matrix.
 //!
 //! A row gets more weight for some neighbours, a factor of its own value, and a source: see
 //! [`RowFold`]. Ghosts behind faces are in `mirrors`, surfaces that are no faces in `surfaces`.
@@ -12,9 +12,9 @@ mod surfaces;
 use glam::DVec3;
 
 use super::PairWeight;
-use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
 use crate::model::wall::{Condition, WalledFace};
+use crate::model::{Problem, ScalarField};
 
 use mirrors::Mirrors;
 use surfaces::Surfaces;
@@ -22,7 +22,7 @@ use surfaces::Surfaces;
 /// A part of a row's source that changes in time: `coefficient` x what is imposed at `foot`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
-    /// Which wall or surface imposes it: an index into [`Problem::imposed`].
+    /// Which wall, surface or source imposes it: an index into [`Problem::imposed`].
     pub imposed: usize,
     /// Where (m); 0 if it is the same everywhere.
     pub foot: DVec3,
@@ -30,13 +30,15 @@ pub struct Term {
     pub coefficient: f64,
 }
 
-/// What walls and surfaces add to a row.
+/// What walls, surfaces and sources add to a row.
 #[derive(Clone, Debug, Default)]
 pub struct RowFold {
     /// What each neighbour's weight gets, 1/s, in the order of the neighbours.
     pub weight: Vec<f64>,
-    /// Factor of the row's own value, 1/s.
+    /// Factor of the row's own value by walls and surfaces, 1/s.
     pub diagonal: f64,
+    /// Factor of the row's own value by sources, 1/s.
+    pub linear: f64,
     /// Twice the antisymmetric part of the weights, 1/s: -sum_b w_ab (s_ab - s_ba).
     pub skew: f64,
     /// The part of the source that does not change, 1/s x the value's unit.
@@ -73,14 +75,17 @@ impl RowFold {
         self.weight.clear();
         self.weight.resize(neighbors, 0.0);
         self.changing.clear();
-        (self.diagonal, self.skew, self.source) = (0.0, 0.0, 0.0);
+        (self.diagonal, self.linear, self.skew, self.source) = (0.0, 0.0, 0.0, 0.0);
         (self.acts, self.fault) = (false, None);
     }
 
-    /// Adds `coefficient` x what `condition` imposes at `foot`: at once, or as a term where it
-    /// changes.
+    /// Adds `coefficient` x what `condition` imposes at `foot`.
     fn add_source(&mut self, condition: &Condition, imposed: usize, foot: DVec3, coefficient: f64) {
-        let field = &condition.imposed;
+        self.add_field(&condition.imposed, imposed, foot, coefficient);
+    }
+
+    /// Adds `coefficient` x `field` at `foot`: at once, or as a term where it changes.
+    fn add_field(&mut self, field: &ScalarField, imposed: usize, foot: DVec3, coefficient: f64) {
         let value = field.at(foot, 0.0);
         if !value.is_finite() {
             self.fault = Some(Fault::NotFinite { imposed, at: foot });
@@ -94,7 +99,7 @@ impl RowFold {
     }
 }
 
-/// Folds the walls and surfaces of a scene into rows.
+/// Folds the walls, surfaces and sources of a scene into rows.
 pub struct Fold<'a> {
     problem: &'a Problem,
     mirrors: Mirrors<'a>,
@@ -103,10 +108,10 @@ pub struct Fold<'a> {
 
 impl<'a> Fold<'a> {
     /// The fold of `problem`, whose pairs have the weights `weight`; `None` if it has no wall but
-    /// free ones, and no surface.
+    /// free ones, no surface and no source.
     pub fn new(problem: &'a Problem, weight: &'a PairWeight<'a>) -> Option<Self> {
         let faces = WalledFace::all(&problem.walls, problem.dimension);
-        let acts = !faces.is_empty() || !problem.surfaces.is_empty();
+        let acts = !(faces.is_empty() && problem.surfaces.is_empty() && problem.sources.is_empty());
         acts.then(|| Self {
             problem,
             mirrors: Mirrors::new(problem, weight, faces),
@@ -114,9 +119,14 @@ impl<'a> Fold<'a> {
         })
     }
 
-    /// Whether a ghost or a surface may be within the support of a particle at `x` (m).
-    pub fn reaches(&self, x: DVec3) -> bool {
-        self.mirrors.reach(x) || self.surfaces.reach(x)
+    /// Whether a ghost or a surface may be within the support of particle `a`, or a source acts on it.
+    pub fn reaches(&self, a: usize) -> bool {
+        let x = self.problem.particles.position[a];
+        self.mirrors.reach(x) || self.surfaces.reach(x) || self.is_fed(a)
+    }
+
+    fn is_fed(&self, a: usize) -> bool {
+        self.problem.sources.iter().any(|source| source.acts_on(a))
     }
 
     /// Writes what row `a` gets into `row`. `neighbors` are all particles within its support, as
@@ -130,7 +140,8 @@ impl<'a> Fold<'a> {
     ) -> bool {
         let x = self.problem.particles.position[a];
         let (by_mirrors, by_surfaces) = (self.mirrors.reach(x), self.surfaces.reach(x));
-        if by_mirrors || by_surfaces {
+        let is_fed = self.is_fed(a);
+        if by_mirrors || by_surfaces || is_fed {
             row.clear(neighbors.len());
         }
         if by_mirrors {
@@ -139,7 +150,22 @@ impl<'a> Fold<'a> {
         if by_surfaces {
             self.surfaces.fold(a, neighbors, order, &self.mirrors, row);
         }
-        by_mirrors || by_surfaces
+        if is_fed {
+            self.feed(a, row);
+        }
+        by_mirrors || by_surfaces || is_fed
+    }
+
+    /// Adds the sources of particle `a` to its row.
+    fn feed(&self, a: usize, row: &mut RowFold) {
+        let Problem { walls, surfaces, sources, .. } = self.problem;
+        let x = self.problem.particles.position[a];
+        let first = walls.len() + surfaces.len();
+        for (k, source) in sources.iter().enumerate().filter(|(_, source)| source.acts_on(a)) {
+            row.acts = true;
+            row.linear += source.linear.at(x, 0.0);
+            row.add_field(&source.rate, first + k, x, 1.0);
+        }
     }
 }
 

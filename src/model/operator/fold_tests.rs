@@ -71,7 +71,7 @@ impl Assembled {
         let grid = cell_grid(problem);
         let (_, rows) = assemble(problem, &grid);
         let mut source = Vec::new();
-        rows.walls().source_at(0.0, &mut source);
+        rows.sources().source_at(0.0, &mut source);
         Self { order: grid.into_order(), rows, source }
     }
 
@@ -111,7 +111,7 @@ impl Assembled {
         let held = self.rows.held_rank().iter().zip(self.rows.held_rates(&by_rank));
         let volume = |rank: u32| problem.particles.volume[self.order[rank as usize] as usize];
         let by_held: f64 = held.map(|(&rank, rate)| -volume(rank) * rate).sum();
-        by_held + self.rows.walls().inflow(&by_rank, Some(&self.source))
+        by_held + self.rows.sources().inflow(&by_rank, Some(&self.source))
     }
 }
 
@@ -179,7 +179,7 @@ fn insulated_walls_keep_every_total_and_constants() {
             let scene = walled(kernel, dimension, support_ratio, WallKind::Insulated);
             let problem = Problem { correction, ..scene };
             let assembled = Assembled::new(&problem);
-            assert!(assembled.rows.walls().is_empty(), "insulation is free at run time");
+            assert!(assembled.rows.sources().is_empty(), "insulation is free at run time");
             assert!(assembled.rate(&vec![7.25; problem.particles.len()]).iter().all(|&r| r == 0.0));
             let mut noise = Noise(3);
             let rate = assembled.rate(&state_of(&problem, |_| noise.next()));
@@ -404,10 +404,10 @@ fn a_value_that_changes_in_time_changes_the_source_alone() {
         wall.condition = Condition::value(ScalarField::new("(x+y)*t", |x, t| (x.x + x.y) * t));
     }
     let assembled = Assembled::new(&problem);
-    assert!(assembled.rows.walls().is_changing());
+    assert!(assembled.rows.sources().is_changing());
     for (t, expected) in [0.0, 2.0].into_iter().zip(&expected) {
         let mut source = Vec::new();
-        assembled.rows.walls().source_at(t, &mut source);
+        assembled.rows.sources().source_at(t, &mut source);
         let apart = source.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-12 * 400.0, "{t}: {apart:e}");
     }

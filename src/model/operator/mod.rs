@@ -10,12 +10,12 @@ mod pair_mean;
 mod row_block;
 pub mod rows;
 mod some_rows;
+mod source_rows;
 mod survey;
-mod wall_rows;
 mod weight;
 
 pub use bodies::floating_bodies;
 pub use pair_mean::PairMean;
 pub use some_rows::{SomeRows, Visit, within};
-pub use wall_rows::{WallNeeds, WallRows};
+pub use source_rows::{FoldNeeds, SourceRows};
 pub use weight::{Correction, PairWeight};

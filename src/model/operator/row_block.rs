@@ -1,6 +1,6 @@
 //! Some rows of the matrix in compressed form, and their product with a state.
 
-use super::wall_rows::WallCursor;
+use super::source_rows::SourceCursor;
 use crate::model::wide::{Work, multiply_add};
 
 /// Rows in compressed form: row i has the columns `index[start[i]..start[i + 1]]`.
@@ -101,7 +101,7 @@ impl RowBlock {
 /// Writes `out[row] = combine(state, rate)` for the rows of a block, whose first rank is `first`.
 pub(super) struct Advance<'a, C> {
     pub(super) block: &'a RowBlock,
-    pub(super) walls: WallCursor<'a>,
+    pub(super) walls: SourceCursor<'a>,
     pub(super) first: usize,
     pub(super) state: &'a [f64],
     pub(super) out: &'a mut [f64],

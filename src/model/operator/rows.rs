@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::fold::{Fault, Fold, RowFold};
 use super::row_block::{Advance, RowBlock};
+use super::source_rows::SourceRowsBuilder;
 pub use super::survey::Survey;
-use super::wall_rows::WallRowsBuilder;
-use super::{PairWeight, WallRows};
+use super::{PairWeight, SourceRows};
 use crate::model::neighbors::{CellGrid, CellLayout, Neighbor, Scratch};
 use crate::model::{Problem, lattice, wide};
 
@@ -21,7 +21,7 @@ const SERIAL_ROWS: usize = 16_384;
 ///
 /// The rows of held particles are empty among the others, since nothing changes there, and kept
 /// apart: what they would gain from particles that are not held is what the outside has to take
-/// away. Walls are folded into the weights; what else they add is kept by [`WallRows`].
+/// away. Walls are folded into the weights; what else they add is kept by [`SourceRows`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The rows of all ranks, block after block.
@@ -30,7 +30,7 @@ pub struct Rows {
     held: RowBlock,
     /// Ranks of the held particles, ascending.
     held_rank: Vec<u32>,
-    walls: WallRows,
+    walls: SourceRows,
     count: usize,
 }
 
@@ -46,7 +46,8 @@ pub fn survey(problem: &Problem, grid: &CellGrid<'_>) -> Survey {
     let visit = |cells| walk.visit(grid, cells, Keep::Nothing).survey;
     let parts = tasks(grid).into_par_iter().map(visit);
     let parts: Vec<Survey> = parts.collect();
-    parts.into_iter().fold(Survey::EMPTY, Survey::merge)
+    let merged = parts.into_iter().fold(Survey::EMPTY, Survey::merge);
+    merged.with_sources(problem)
 }
 
 /// Walks over all pairs once and stores the weights.
@@ -60,10 +61,10 @@ pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
         blocks: Vec::with_capacity(parts.len()),
         held: RowBlock::default(),
         held_rank: Vec::new(),
-        walls: WallRows::default(),
+        walls: SourceRows::default(),
         count: grid.order().len(),
     };
-    let mut walls = WallRowsBuilder::default();
+    let mut walls = SourceRowsBuilder::default();
     for part in parts {
         survey = survey.merge(part.survey);
         rows.blocks.push(part.free);
@@ -72,7 +73,7 @@ pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
         walls.append(part.walls);
     }
     rows.walls = walls.finish(problem);
-    (survey, rows)
+    (survey.with_sources(problem), rows)
 }
 
 /// What walls add to the matrix of a scene, kept apart from it: for a backend that computes the
@@ -82,7 +83,7 @@ pub struct WallFold {
     /// What the weights of pairs (row, neighbour) get, 1/s, row by row.
     pub weight: Vec<(u32, u32, f64)>,
     /// The rows with more than weights.
-    pub rows: WallRows,
+    pub rows: SourceRows,
     /// Whether they leave the matrix unsymmetric.
     pub is_skew: bool,
     /// What is wrong with a wall or surface, if anything is.
@@ -99,7 +100,7 @@ pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
     let parts: Vec<Part> =
         tasks(grid).into_par_iter().map(|cells| walk.visit(grid, cells, Keep::Walls)).collect();
     let (mut weight, mut fault, mut is_skew) = (Vec::new(), None, false);
-    let mut walls = WallRowsBuilder::default();
+    let mut walls = SourceRowsBuilder::default();
     for part in parts {
         fault = fault.or(part.survey.fault);
         is_skew |= !part.survey.symmetric;
@@ -127,7 +128,7 @@ pub(super) struct Part {
     pub(super) held: RowBlock,
     pub(super) held_rank: Vec<u32>,
     folded: Vec<(u32, u32, f64)>,
-    pub(super) walls: WallRowsBuilder,
+    pub(super) walls: SourceRowsBuilder,
 }
 
 /// What every task of a walk needs.
@@ -196,11 +197,9 @@ impl<'a> Walk<'a> {
         Row { rank, a, held: self.problem.is_held(a), neighbors, fold: folded.then_some(fold) }
     }
 
-    /// Whether a wall reaches one of `particles`.
+    /// Whether a wall reaches or a source acts on one of `particles`.
     fn walls_reach(&self, particles: &[u32]) -> bool {
-        let position = &self.problem.particles.position;
-        let reached =
-            |fold: &Fold<'_>| particles.iter().any(|&p| fold.reaches(position[p as usize]));
+        let reached = |fold: &Fold<'_>| particles.iter().any(|&p| fold.reaches(p as usize));
         self.fold.as_ref().is_some_and(reached)
     }
 
@@ -329,7 +328,7 @@ impl Rows {
     }
 
     /// The rows with a part of walls beyond their weights.
-    pub fn walls(&self) -> &WallRows {
+    pub fn sources(&self) -> &SourceRows {
         &self.walls
     }
 

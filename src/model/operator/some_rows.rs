@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::fold::RowFold;
 use super::row_block::RowBlock;
 use super::rows::{Part, Survey, Walk};
-use super::wall_rows::WallRowsBuilder;
-use super::{PairWeight, WallRows};
+use super::source_rows::SourceRowsBuilder;
+use super::{PairWeight, SourceRows};
 use crate::model::neighbors::Neighbor;
 use crate::model::wide::Work;
 use crate::model::{Problem, wide};
@@ -41,7 +41,7 @@ pub struct SomeRows {
     first: Vec<usize>,
     held: RowBlock,
     held_rank: Vec<u32>,
-    walls: WallRows,
+    walls: SourceRows,
     /// Which row of walls belongs to each row.
     wall_row: Vec<u32>,
     /// How many ranks there are.
@@ -78,7 +78,7 @@ impl SomeRows {
         let parts: Vec<Part> = visits.par_chunks(ROWS_PER_TASK).map(visit).collect();
         let whole = visits.iter().filter(|visit| visit.whole).map(|visit| visit.rank);
         let mut rows = Self { rank: whole.collect(), count: order.len(), ..Self::default() };
-        let (mut survey, mut walls) = (Survey::EMPTY, WallRowsBuilder::default());
+        let (mut survey, mut walls) = (Survey::EMPTY, SourceRowsBuilder::default());
         let mut first = 0;
         for part in parts {
             survey = survey.merge(part.survey);
@@ -102,7 +102,7 @@ impl SomeRows {
     }
 
     /// What walls add to these rows and to others.
-    pub fn walls(&self) -> &WallRows {
+    pub fn sources(&self) -> &SourceRows {
         &self.walls
     }
 

@@ -1,6 +1,7 @@
 //! What one walk over all pairs tells about a scene.
 
 use super::fold::{Fault, RowFold};
+use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
 
 /// Negative weights of this part of a row's diagonal and less count as none.
@@ -59,6 +60,12 @@ impl Survey {
             max_density: self.max_density.max(other.max_density),
             coincident: self.coincident.or(other.coincident),
         }
+    }
+
+    /// With what sources in proportion to the value add to the bound: the most that they do anywhere.
+    pub(in crate::model) fn with_sources(mut self, problem: &Problem) -> Self {
+        self.rate_bound += problem.linear_sources().damping;
+        self
     }
 
     pub(super) fn note_neighbors(&mut self, order: &[u32], a: usize, neighbors: &[Neighbor]) {

@@ -14,7 +14,7 @@ use super::{Backend, SolverError};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, assemble, cell_grid};
-use crate::model::operator::{SomeRows, WallRows};
+use crate::model::operator::{SomeRows, SourceRows};
 use crate::model::sum::CompensatedSum;
 
 use aggregates::Aggregates;
@@ -73,7 +73,7 @@ impl CpuBackend {
     pub fn lattice(
         problem: &Problem,
         scene: impl Into<Arc<LatticeScene>>,
-        walls: WallRows,
+        walls: SourceRows,
     ) -> Self {
         Self::with(problem, Box::new(Lattice(Uniform::new(problem, scene.into(), walls))))
     }
@@ -85,7 +85,7 @@ impl CpuBackend {
 
     fn with(problem: &Problem, operator: Box<dyn CpuOperator>) -> Self {
         let mut source = Vec::new();
-        operator.walls().source_at(0.0, &mut source);
+        operator.sources().source_at(0.0, &mut source);
         let state = operator.by_place(&problem.initial);
         Self {
             // What is at no particle stays 0.
@@ -104,8 +104,8 @@ impl CpuBackend {
 
     /// Brings the source to `time` (s).
     fn update_source(&mut self, time: f64) {
-        if self.operator.walls().is_changing() {
-            self.operator.walls().source_at(time, &mut self.source);
+        if self.operator.sources().is_changing() {
+            self.operator.sources().source_at(time, &mut self.source);
         }
     }
 
@@ -197,7 +197,7 @@ impl Backend for CpuBackend {
     }
 
     fn is_source_changing(&self) -> bool {
-        self.operator.walls().is_changing()
+        self.operator.sources().is_changing()
     }
 
     fn source_change(
@@ -207,7 +207,7 @@ impl Backend for CpuBackend {
         out: &mut CpuVector,
     ) -> Result<(), SolverError> {
         let (mut before, mut after) = (Vec::new(), Vec::new());
-        let walls = self.operator.walls();
+        let walls = self.operator.sources();
         walls.source_at(from, &mut before);
         walls.source_at(to, &mut after);
         out.values.fill(0.0);

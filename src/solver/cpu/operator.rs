@@ -1,6 +1,6 @@
 //! What the CPU backend needs of an operator.
 
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ pub(super) trait CpuOperator: Send + Sync {
     fn held(&self) -> &[u32];
 
     /// The rows that walls act on.
-    fn walls(&self) -> &WallRows;
+    fn sources(&self) -> &SourceRows;
 
     /// Writes what `combine` makes of values and rates, where held particles have the rate 0; returns
     /// what these gave, value x volume / s.
@@ -71,5 +71,5 @@ pub(super) fn apply(
     out: &mut [f64],
     combine: Combine,
 ) -> f64 {
-    operator.apply(now, out, combine) + operator.walls().inflow(now.values, now.source)
+    operator.apply(now, out, combine) + operator.sources().inflow(now.values, now.source)
 }

@@ -2,7 +2,7 @@
 
 use super::operator::{Combine, CpuOperator, Now};
 use crate::model::Problem;
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 use crate::model::operator::rows::Rows;
 
 /// The rows of all particles; places are ranks in cell order.
@@ -38,8 +38,8 @@ impl CpuOperator for StoredRows {
         self.rows.held_rank()
     }
 
-    fn walls(&self) -> &WallRows {
-        self.rows.walls()
+    fn sources(&self) -> &SourceRows {
+        self.rows.sources()
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {

@@ -25,7 +25,7 @@ use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::neighbors::CellLayout;
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 
 use lattice::Lattice;
 use list::List;
@@ -180,7 +180,7 @@ impl GpuBackend {
     pub fn lattice(
         problem: &Problem,
         scene: &LatticeScene,
-        walls: WallRows,
+        walls: SourceRows,
         dt: f64,
         device: &Device,
         options: GpuOptions,
@@ -190,7 +190,7 @@ impl GpuBackend {
         let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
         let step = reference_step(problem, dt, problem.materials[material].diffusivity);
         // The stencil has the diagonals of walls.
-        let walls = walls.without_diagonal();
+        let walls = walls.beside_stencil();
         let held = scene.held_sites(&problem.held);
         let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);

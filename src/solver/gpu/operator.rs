@@ -62,7 +62,7 @@ pub(super) struct Combination<'a> {
 
 impl Fields<'_> {
     /// The buffers of walls, in the order of their bindings.
-    pub(super) fn walls(&self) -> impl Iterator<Item = &Buffer> {
+    pub(super) fn sources(&self) -> impl Iterator<Item = &Buffer> {
         self.walls.into_iter().flatten()
     }
 }
@@ -138,7 +138,7 @@ fn list_passes(
         fields.step_size,
     ];
     buffers.extend(fields.exchange);
-    buffers.extend(fields.walls());
+    buffers.extend(fields.sources());
     let source = match makes {
         Makes::Rate => choices.rate(),
         Makes::Step => choices.step(),

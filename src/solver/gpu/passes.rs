@@ -2,7 +2,7 @@
 
 use crate::gpu::{Binding, BlockLayout, Constant, Element, Holds, PassSource, Real};
 use crate::model::kernel::SUPPORT_MARGIN;
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 use crate::model::{KernelKind, PairMean};
 use crate::solver::Precision;
 
@@ -89,7 +89,7 @@ impl WallTerms {
     pub const ALL: [Self; 3] = [Self::None, Self::Steady, Self::Changing];
 
     /// What `rows` need.
-    pub fn of(rows: &WallRows) -> Self {
+    pub fn of(rows: &SourceRows) -> Self {
         match (rows.is_empty(), rows.is_changing()) {
             (true, _) => Self::None,
             (false, false) => Self::Steady,

@@ -3,7 +3,7 @@
 use super::passes::{NO_SLOT, SOURCE_STEPS, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Real};
 use crate::model::Problem;
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 use crate::model::operator::rows::{WallFold, cell_grid, wall_fold};
 
 /// The walls of a scene, by rows of the device.
@@ -16,7 +16,7 @@ pub(super) struct Walls {
     /// Row of each slot.
     slot_row: Vec<u32>,
     /// Everything that goes with a slot, in their order.
-    rows: WallRows,
+    rows: SourceRows,
     reference_step: f64,
 }
 
@@ -68,7 +68,7 @@ impl Walls {
     }
 
     /// The rows that have a slot, in the order of the slots, with everything that goes with them.
-    pub(super) fn into_rows(self) -> WallRows {
+    pub(super) fn into_rows(self) -> SourceRows {
         self.rows
     }
 
@@ -104,7 +104,7 @@ pub(super) struct Fold {
 #[derive(Debug)]
 pub(super) struct WallSlots {
     real: Real,
-    rows: WallRows,
+    rows: SourceRows,
     reference_step: f64,
     /// Of each slot two vectors: diagonal, flow and tick; what entered, in two words.
     pub(super) wall: Buffer,
@@ -118,7 +118,7 @@ impl WallSlots {
     pub(super) fn new(
         device: &Device,
         real: Real,
-        rows: WallRows,
+        rows: SourceRows,
         reference_step: f64,
     ) -> Result<Option<Self>, GpuError> {
         if rows.is_empty() {
@@ -143,6 +143,13 @@ impl WallSlots {
     /// Whether a source changes in time.
     pub(super) fn is_changing(&self) -> bool {
         self.rows.is_changing()
+    }
+
+    /// Row and diagonal of each slot that has one, a reference step.
+    pub(super) fn diagonals(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let rows = self.rows.rank().iter().zip(self.rows.diagonal());
+        let scaled = |(&row, &by_slot): (&u32, &f64)| (row as usize, self.reference_step * by_slot);
+        rows.map(scaled).filter(|(_, by_slot)| *by_slot != 0.0)
     }
 
     /// What the source of each slot gains between two times (s), 1/s x value.

@@ -1,5 +1,7 @@
 //! Conjugate gradients for the linear systems of implicit methods.
 
+use std::ops::ControlFlow;
+
 use super::coarse::Coarse;
 use crate::model::Problem;
 use crate::model::integrator::Preconditioner;
@@ -12,6 +14,11 @@ pub enum Goal {
     Largest(f64),
     /// The norm of the residual that the preconditioner induces is this part of what it was.
     Relative(f64),
+}
+
+/// Watches a solve that nobody stops.
+pub(super) fn go_on() -> ControlFlow<()> {
+    ControlFlow::Continue(())
 }
 
 /// What a solve that did not get to its goal had come to.
@@ -65,10 +72,11 @@ impl<B: Backend> LinearSolve<B> {
 
     /// Adds to `x` what takes its `residual` b - M x to the goal, for M = `shift` + `scale` A. What the
     /// outside gave to `x` is as before; to `residual` it follows. With a coarse space, the residual ends
-    /// with the sum 0 over each aggregate: what is solved conserves exactly.
+    /// with the sum 0 over each aggregate: what is solved conserves exactly. `watch` is asked at every
+    /// iteration, and may stop it.
     ///
     /// # Errors
-    /// [`SolverError::NotConverged`].
+    /// [`SolverError::NotConverged`]; [`SolverError::Interrupted`], at no step.
     pub fn solve(
         &mut self,
         backend: &mut B,
@@ -76,6 +84,7 @@ impl<B: Backend> LinearSolve<B> {
         x: &mut B::Vector,
         residual: &mut B::Vector,
         goal: Goal,
+        watch: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<(), SolverError> {
         let [shift, scale] = matrix;
         let (mut before, mut start) = (1.0, None);
@@ -93,6 +102,9 @@ impl<B: Backend> LinearSolve<B> {
             // Zero is as good as it gets.
             if reached <= wanted || reached == 0.0 {
                 return self.end(backend, matrix, x, residual);
+            }
+            if watch().is_break() {
+                return Err(SolverError::Interrupted { step: 0, time: 0.0 });
             }
             let failed = SolveFailure { iterations: iteration, reached, goal: wanted };
             if iteration == MOST_ITERATIONS || !reached.is_finite() {

@@ -1,5 +1,7 @@
 //! Straight to the steady state.
 
+use std::ops::ControlFlow;
+
 use super::cg::{Goal, LinearSolve};
 use crate::model::Problem;
 use crate::model::operator::floating_bodies;
@@ -13,7 +15,7 @@ const CONSISTENT: f64 = 1e-8;
 ///
 /// Conjugate gradients solve -A x = A C + s for the change x, until the norm of the residual that the
 /// preconditioner induces has fallen to `reduction` of what it was. `rounding` is what the precision may
-/// leave of flows that cancel, of their size.
+/// leave of flows that cancel, of their size. `watch` may stop it, with the state as it was.
 ///
 /// # Errors
 /// Flows through walls that do not cancel in a body where nothing holds a value; a solve that does not
@@ -23,6 +25,7 @@ pub fn solve_steady<B: Backend>(
     problem: &Problem,
     reduction: f64,
     rounding: f64,
+    watch: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Result<u64, SolverError> {
     let mut solve = LinearSolve::new(backend, problem, problem.time.preconditioner)?;
     let [mut change, mut residual] = [backend.vector()?, backend.vector()?];
@@ -36,7 +39,7 @@ pub fn solve_steady<B: Backend>(
         }
     }
     let goal = Goal::Relative(reduction);
-    solve.solve(backend, [0.0, -1.0], &mut change, &mut residual, goal)?;
+    solve.solve(backend, [0.0, -1.0], &mut change, &mut residual, goal, watch)?;
     for body in &bodies {
         take_mean(backend, problem, body, &mut change)?;
     }

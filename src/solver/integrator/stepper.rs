@@ -57,6 +57,10 @@ impl<B: Backend + 'static> Stepper<B> {
         precision: Precision,
     ) -> Result<Self, SolverError> {
         let linear = problem.time.linear_tolerance;
+        let finest = 0.1 * precision.finest();
+        if let Some(tolerance) = linear.filter(|&tolerance| tolerance < finest) {
+            return Err(SolverError::LinearTooTight { tolerance, finest, precision });
+        }
         let preconditioner = problem.time.preconditioner;
         let mut applications = 0;
         // Without a duration there is nothing to prepare for.
@@ -67,7 +71,7 @@ impl<B: Backend + 'static> Stepper<B> {
                 return Ok(Self { kind, applications });
             }
             Method::Steady => {
-                let reduction = linear.unwrap_or(REDUCTION).max(0.1 * precision.finest());
+                let reduction = linear.unwrap_or(REDUCTION.max(finest));
                 let rounding = precision.finest();
                 let kind = Kind::Steady { reduction, rounding, applications };
                 return Ok(Self { kind, applications });
@@ -83,7 +87,7 @@ impl<B: Backend + 'static> Stepper<B> {
                 Box::new(Explicit::new(backend, Recurrence::Rkl2, largest)?)
             }
             Method::TrBdf2 => {
-                let accuracy = linear.unwrap_or(LINEAR).max(0.1 * precision.finest());
+                let accuracy = linear.unwrap_or(LINEAR.max(finest));
                 Box::new(TrBdf2Steps::new(backend, problem, accuracy, preconditioner)?)
             }
         };

@@ -1,7 +1,7 @@
 //! Steps of TR-BDF2.
 
 use super::Integrator;
-use super::cg::{Goal, LinearSolve};
+use super::cg::{Goal, LinearSolve, go_on};
 use crate::model::Problem;
 use crate::model::integrator::{Preconditioner, TrBdf2};
 use crate::solver::{Backend, SolverError};
@@ -96,7 +96,7 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         let mut terms = vec![(2.0 * D * dt, &*rate)];
         terms.extend(imposed.map(|[first, _]| (D * dt, first)));
         backend.update(residual, 0.0, &terms)?;
-        solve.solve(backend, matrix, first, residual, goal)?;
+        solve.solve(backend, matrix, first, residual, goal, &mut go_on)?;
         // The change of the first stage goes on over the whole step: a first guess, whose residual
         // follows from that of the first stage.
         backend.update(second, 0.0, &[(1.0 / TrBdf2::GAMMA, first)])?;
@@ -107,7 +107,7 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
             imposed.into_iter().flat_map(|[first, second]| [(-0.5 * dt, first), (D * dt, second)]),
         );
         backend.update(residual, 1.0 / TrBdf2::GAMMA, &terms)?;
-        solve.solve(backend, matrix, second, residual, goal)?;
+        solve.solve(backend, matrix, second, residual, goal, &mut go_on)?;
         backend.update_given(second, 1.0, &[(1.0, residual)])
     }
 
@@ -121,7 +121,7 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         backend.update(residual, 0.0, &terms)?;
         backend.update(first, 0.0, &[])?;
         let goal = Goal::Largest(ESTIMATE * negligible);
-        solve.solve(backend, matrix, first, residual, goal)?;
+        solve.solve(backend, matrix, first, residual, goal, &mut go_on)?;
         backend.largest(first)
     }
 

@@ -71,6 +71,7 @@ pub(super) fn scene(size: u64, dimension: usize, support_ratio: f64) -> Problem 
         held: Vec::new(),
         walls: Vec::new(),
         surfaces: Vec::new(),
+        sources: Vec::new(),
         time: TimePlan {
             end: 1.0,
             step: StepChoice::Automatic,

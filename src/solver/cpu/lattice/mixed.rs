@@ -8,7 +8,7 @@ use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
-use crate::model::operator::{SomeRows, WallRows, within};
+use crate::model::operator::{SomeRows, SourceRows, within};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
@@ -79,11 +79,14 @@ impl Mixed {
             let (from, to) = (range.start.max(sites.start), range.end.min(sites.end));
             out[from - sites.start..to - sites.start].fill(0.0);
         }
-        let walls = self.rows.walls().rank();
+        let (walls, linear) = (self.rows.sources().rank(), self.rows.sources().linear());
         let source = now.source.unwrap_or(&[]);
-        if !source.is_empty() {
+        if !(source.is_empty() && linear.is_empty()) {
+            let of_row = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(0.0);
             for row in within(walls, sites) {
-                out[walls[row] as usize - sites.start] += combine.scale * source[row];
+                let site = walls[row] as usize;
+                let rate = of_row(linear, row) * now.values[site] + of_row(source, row);
+                out[site - sites.start] += combine.scale * rate;
             }
         }
         self.rows.rates(sites, now.values, source, |site, rate| {
@@ -102,8 +105,8 @@ impl LatticeOperator for Mixed {
         self.rows.held_rank()
     }
 
-    fn walls(&self) -> &WallRows {
-        self.rows.walls()
+    fn sources(&self) -> &SourceRows {
+        self.rows.sources()
     }
 
     fn advance(
@@ -146,6 +149,10 @@ impl LatticeOperator for Mixed {
                 *diagonal =
                     if part > 0 { self.scene.ratios[part - 1].1 } else { 1.0 } * of_place(site);
             }
+        }
+        let sources = self.rows.sources();
+        for (&site, linear) in sources.rank().iter().zip(sources.linear()) {
+            diagonal[site as usize] += linear;
         }
         self.rows.diagonals(|site, d| diagonal[site] = d);
         diagonal

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::operator::{Combine, CpuOperator, Now};
 use crate::model::lattice::LatticeScene;
-use crate::model::operator::WallRows;
+use crate::model::operator::SourceRows;
 
 use kernel::Scratch;
 pub(super) use mixed::Mixed;
@@ -27,7 +27,7 @@ pub(super) trait LatticeOperator: Send + Sync {
     fn held(&self) -> &[u32];
 
     /// The rows that walls act on, by site.
-    fn walls(&self) -> &WallRows;
+    fn sources(&self) -> &SourceRows;
 
     /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
     /// last are along their lines; returns what held particles among them gave, value x volume / s.
@@ -71,8 +71,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         self.0.held()
     }
 
-    fn walls(&self) -> &WallRows {
-        self.0.walls()
+    fn sources(&self) -> &SourceRows {
+        self.0.sources()
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {

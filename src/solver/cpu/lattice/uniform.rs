@@ -9,7 +9,7 @@ use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
-use crate::model::operator::{WallRows, within};
+use crate::model::operator::{SourceRows, within};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// A scene that fills its lattice.
@@ -22,28 +22,28 @@ pub(in crate::solver::cpu) struct Uniform {
     /// What each of them would gain a second without the others, which does not change; a change of the
     /// state has none.
     among_held: Vec<f64>,
-    /// The rows that walls act on, by site.
-    walls: WallRows,
+    /// The rows that walls and sources act on, by site, with what the stencil does not have of them.
+    walls: SourceRows,
 }
 
 impl Uniform {
     pub(in crate::solver::cpu) fn new(
         problem: &Problem,
         scene: Arc<LatticeScene>,
-        walls: WallRows,
+        walls: SourceRows,
     ) -> Self {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.initial);
         let volume = problem.particles.volume.first().copied().unwrap_or(0.0);
-        Self { scene, volume, held, among_held, walls }
+        Self { scene, volume, held, among_held, walls: walls.beside_stencil() }
     }
 
-    /// Whether a held particle or one with a source of a wall is among `sites`.
+    /// Whether a held particle or one with a source is among `sites`.
     fn is_exceptional(&self, sites: &Range<usize>) -> bool {
         !(within(&self.held, sites).is_empty() && within(self.walls.rank(), sites).is_empty())
     }
 
-    /// Adds the sources of walls at `sites` to their rates and takes those of held particles out;
+    /// Adds the sources at `sites` to their rates and takes those of held particles out;
     /// returns what these gave.
     fn exceptions(&self, now: &Now<'_>, sites: Range<usize>, rate: &mut [f64]) -> f64 {
         let mut given = 0.0;
@@ -54,10 +54,10 @@ impl Uniform {
             given -= self.volume * (*rate - among_held);
             *rate = 0.0;
         }
-        if let Some(source) = now.source {
-            for row in within(self.walls.rank(), &sites) {
-                rate[self.walls.rank()[row] as usize - sites.start] += source[row];
-            }
+        for row in within(self.walls.rank(), &sites) {
+            let site = self.walls.rank()[row] as usize;
+            let source = now.source.map_or(0.0, |source| source[row]);
+            rate[site - sites.start] += self.walls.diagonal()[row] * now.values[site] + source;
         }
         given
     }
@@ -72,7 +72,7 @@ impl LatticeOperator for Uniform {
         &self.held
     }
 
-    fn walls(&self) -> &WallRows {
+    fn sources(&self) -> &SourceRows {
         &self.walls
     }
 
@@ -107,6 +107,9 @@ impl LatticeOperator for Uniform {
         let mut diagonal = vec![0.0; self.scene.counts.iter().product()];
         let of_place = self.scene.diagonals();
         diagonal.par_iter_mut().enumerate().for_each(|(site, d)| *d = of_place(site));
+        for (&site, linear) in self.walls.rank().iter().zip(self.walls.diagonal()) {
+            diagonal[site as usize] += linear;
+        }
         self.held.iter().for_each(|&site| diagonal[site as usize] = -1.0);
         diagonal
     }

@@ -11,7 +11,7 @@ use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
 use crate::model::Problem;
 use crate::model::lattice::{Edge, End, LatticeScene};
-use crate::model::operator::{WallNeeds, WallRows};
+use crate::model::operator::{FoldNeeds, SourceRows};
 use crate::solver::Precision;
 use crate::solver::plan::Needs;
 
@@ -49,7 +49,7 @@ impl Lattice {
         device: &Device,
         scene: &LatticeScene,
         held: &[u32],
-        walls: &WallRows,
+        walls: &SourceRows,
         reference_step: f64,
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
@@ -152,7 +152,7 @@ impl Lattice {
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
             buffers.extend(fields.exchange);
-            buffers.extend(fields.walls());
+            buffers.extend(fields.sources());
         }
         if let Some(combination) = fields.combination {
             buffers.push(combination.factors);
@@ -203,7 +203,7 @@ impl Part {
 /// The passes of a step, in order.
 pub fn step_passes(needs: Needs) -> Vec<&'static str> {
     let mut passes = vec!["lattice_step"];
-    if needs.held || needs.walls >= WallNeeds::Steady {
+    if needs.held || needs.walls >= FoldNeeds::Steady {
         passes.push("exception_step");
     }
     passes

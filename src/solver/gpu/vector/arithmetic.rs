@@ -1,11 +1,13 @@
 //! Sums and quotients of vectors.
 
+use std::ops::Range;
+
 use super::passes::{ENTRIES, MOST_TERMS, UPDATE, divide, give, update};
 use super::queue::Operation;
 use super::{GpuVector, Operations};
 use crate::gpu::{Buffer, Device, GpuError, Pass};
 use crate::solver::Precision;
-use crate::solver::gpu::operator::{Fields, Makes};
+use crate::solver::gpu::operator::{Fields, Makes, Operator};
 use crate::solver::gpu::steps::Steps;
 use crate::solver::gpu::walls::WallSlots;
 
@@ -98,7 +100,31 @@ impl Operations<'_> {
             combination: None,
         };
         self.device.submit(&self.operator.passes(self.device, Makes::Diagonal, &fields)?)?;
+        if let (Operator::Lattice(lattice), Some(slots)) = (self.operator, self.steps.walls()) {
+            self.add_sources(&lattice.parts(), slots, &diagonal)?;
+        }
         self.tools.diagonal = diagonal;
+        Ok(())
+    }
+
+    /// Adds to the diagonal of a stencil what sources in proportion to the value add. It is done once, and
+    /// few scenes have any.
+    fn add_sources(
+        &self,
+        parts: &[Range<usize>],
+        slots: &WallSlots,
+        diagonal: &[Buffer],
+    ) -> Result<(), GpuError> {
+        let precision = self.operator.precision();
+        for (sites, buffer) in parts.iter().zip(diagonal) {
+            let mut here = slots.diagonals().filter(|(site, _)| sites.contains(site)).peekable();
+            if here.peek().is_none() {
+                continue;
+            }
+            let mut values = precision.state_from_bytes(&self.device.read(buffer)?);
+            here.for_each(|(site, by_sources)| values[site - sites.start] += by_sources);
+            self.device.write(buffer, &precision.state_to_bytes(&values))?;
+        }
         Ok(())
     }
 

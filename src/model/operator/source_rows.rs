@@ -1,15 +1,15 @@
-//! The rows to which walls add more than weights: a diagonal and a source.
+//! The rows to which walls and sources add more than weights: a diagonal and a source.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
 use super::fold::{RowFold, Term};
-use crate::model::{Condition, Problem, ScalarField, WallKind};
+use crate::model::{Condition, Problem, ScalarField, Source, WallKind};
 
-/// What walls and surfaces ask of a run, each kind more than the one before.
+/// What walls, surfaces and sources ask of a run, each kind more than the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum WallNeeds {
+pub enum FoldNeeds {
     /// There are none but free ones.
     None,
     /// Weights alone.
@@ -20,8 +20,8 @@ pub enum WallNeeds {
     Changing,
 }
 
-impl WallNeeds {
-    /// What the walls and surfaces of `problem` ask for.
+impl FoldNeeds {
+    /// What the walls, surfaces and sources of `problem` ask for.
     pub fn of(problem: &Problem) -> Self {
         let walls = problem.walls.iter().map(|wall| &wall.condition);
         let surfaces = problem.surfaces.iter().map(|surface| &surface.condition);
@@ -31,27 +31,34 @@ impl WallNeeds {
             _ if condition.imposed.depends_on_time() => Self::Changing,
             _ => Self::Steady,
         };
-        walls.chain(surfaces).map(of_condition).max().unwrap_or(Self::None)
+        let of_source = |source: &Source| match source.rate.depends_on_time() {
+            true => Self::Changing,
+            false => Self::Steady,
+        };
+        let sources = problem.sources.iter().map(of_source);
+        walls.chain(surfaces).map(of_condition).chain(sources).max().unwrap_or(Self::None)
     }
 }
 
-/// Diagonals and sources of rows, and what crosses the walls there.
+/// Diagonals and sources of rows, and what enters there through walls and from sources.
 ///
 /// Row k of these belongs to rank `rank[k]` of the matrix. Its rate gets
-/// `diagonal[k] C + source`, and what enters the body through walls is the sum over k of
+/// `diagonal[k] C + source`, and what enters the body is the sum over k of
 /// `volume[k] (flow[k] C + source)`; both are 0 for held particles but for the flow.
 #[derive(Clone, Debug, Default)]
-pub struct WallRows {
+pub struct SourceRows {
     rank: Vec<u32>,
     diagonal: Vec<f64>,
+    /// The part of the diagonal that is of sources; empty where none is in proportion to the value.
+    linear: Vec<f64>,
     flow: Vec<f64>,
     volume: Vec<f64>,
-    source: Source,
+    source: RowSources,
 }
 
 /// The source of each row, 1/s x the value's unit: a fixed part, and one that changes in time.
 #[derive(Clone, Debug, Default)]
-struct Source {
+struct RowSources {
     fixed: Vec<f64>,
     /// Where something that changes is imposed.
     points: Vec<Point>,
@@ -67,12 +74,12 @@ struct Point {
 
 /// Collects the rows of a walk.
 #[derive(Debug, Default)]
-pub(super) struct WallRowsBuilder {
-    rows: WallRows,
+pub(super) struct SourceRowsBuilder {
+    rows: SourceRows,
     terms: Vec<(u32, Term)>,
 }
 
-impl WallRowsBuilder {
+impl SourceRowsBuilder {
     /// Takes the row at `rank`, of a particle of this volume, if anything but insulation acts.
     pub(super) fn add(&mut self, rank: u32, volume: f64, held: bool, fold: &RowFold) {
         if !fold.acts || (held && fold.skew == 0.0) {
@@ -83,8 +90,10 @@ impl WallRowsBuilder {
         let live = if held { 0.0 } else { 1.0 };
         self.rows.rank.push(rank);
         self.rows.volume.push(volume);
-        self.rows.diagonal.push(live * fold.diagonal);
-        self.rows.flow.push(live * fold.diagonal + fold.skew);
+        let diagonal = live * (fold.diagonal + fold.linear);
+        self.rows.diagonal.push(diagonal);
+        self.rows.flow.push(diagonal + fold.skew);
+        self.rows.linear.push(live * fold.linear);
         self.rows.source.fixed.push(live * fold.source);
         if !held {
             self.terms.extend(fold.changing.iter().map(|&term| (row, term)));
@@ -97,6 +106,7 @@ impl WallRowsBuilder {
         self.rows.rank.extend(other.rows.rank);
         self.rows.volume.extend(other.rows.volume);
         self.rows.diagonal.extend(other.rows.diagonal);
+        self.rows.linear.extend(other.rows.linear);
         self.rows.flow.extend(other.rows.flow);
         self.rows.source.fixed.extend(other.rows.source.fixed);
         self.terms.extend(other.terms.into_iter().map(|(row, term)| (base + row, term)));
@@ -104,10 +114,13 @@ impl WallRowsBuilder {
 
     /// The finished rows. What is imposed at one place is evaluated once, however many rows it
     /// acts on.
-    pub(super) fn finish(mut self, problem: &Problem) -> WallRows {
+    pub(super) fn finish(mut self, problem: &Problem) -> SourceRows {
+        if self.rows.linear.iter().all(|&linear| linear == 0.0) {
+            self.rows.linear = Vec::new();
+        }
         let imposed = problem.imposed();
         let mut known: HashMap<(usize, [u64; 3]), u32> = HashMap::new();
-        let Source { points, terms, .. } = &mut self.rows.source;
+        let RowSources { points, terms, .. } = &mut self.rows.source;
         for (row, term) in self.terms {
             let key = (term.imposed, term.foot.to_array().map(f64::to_bits));
             let point = *known.entry(key).or_insert_with(|| {
@@ -123,7 +136,7 @@ impl WallRowsBuilder {
     }
 }
 
-impl WallRows {
+impl SourceRows {
     /// The same rows with other ranks, `to` of the present ones, in ascending order again.
     pub fn renumbered(&self, to: impl Fn(u32) -> u32) -> Self {
         let mut from: Vec<u32> = (0..self.len() as u32).collect();
@@ -132,17 +145,21 @@ impl WallRows {
         for (new, &old) in (0..).zip(&from) {
             place[old as usize] = new;
         }
-        let taken = |values: &[f64]| from.iter().map(|&row| values[row as usize]).collect();
-        let Source { fixed, points, terms } = &self.source;
+        let taken = |values: &[f64]| match values {
+            [] => Vec::new(),
+            _ => from.iter().map(|&row| values[row as usize]).collect(),
+        };
+        let RowSources { fixed, points, terms } = &self.source;
         let moved = |&(row, point, coefficient): &(u32, u32, f64)| {
             (place[row as usize], point, coefficient)
         };
         Self {
             rank: from.iter().map(|&row| to(self.rank[row as usize])).collect(),
             diagonal: taken(&self.diagonal),
+            linear: taken(&self.linear),
             flow: taken(&self.flow),
             volume: taken(&self.volume),
-            source: Source {
+            source: RowSources {
                 fixed: taken(fixed),
                 points: points.clone(),
                 terms: terms.iter().map(moved).collect(),
@@ -150,9 +167,12 @@ impl WallRows {
         }
     }
 
-    /// The same rows for a matrix that has their diagonals already.
-    pub fn without_diagonal(mut self) -> Self {
-        self.diagonal.fill(0.0);
+    /// The same rows for a stencil that has the diagonals of walls already.
+    pub fn beside_stencil(mut self) -> Self {
+        match self.linear.is_empty() {
+            true => self.diagonal.fill(0.0),
+            false => self.diagonal.clone_from(&self.linear),
+        }
         self
     }
 
@@ -176,7 +196,12 @@ impl WallRows {
         &self.diagonal
     }
 
-    /// Factor of each row's own value in what enters through walls, 1/s.
+    /// The part of [`SourceRows::diagonal`] that is of sources; empty where that is 0.
+    pub fn linear(&self) -> &[f64] {
+        &self.linear
+    }
+
+    /// Factor of each row's own value in what enters, 1/s.
     pub fn flow(&self) -> &[f64] {
         &self.flow
     }
@@ -201,8 +226,8 @@ impl WallRows {
         }
     }
 
-    /// What enters the body through walls, value x volume a second, with values `state` by rank; no
-    /// source is none at all.
+    /// What enters the body through walls and from sources, value x volume a second, with values `state`
+    /// by rank; no source is none at all.
     pub fn inflow(&self, state: &[f64], source: Option<&[f64]>) -> f64 {
         let rows = self.rank.iter().zip(&self.volume).zip(&self.flow).enumerate();
         let source = |row: usize| source.map_or(0.0, |source| source[row]);
@@ -213,28 +238,29 @@ impl WallRows {
     }
 
     /// The rows from `rank` on, one after another.
-    pub(super) fn cursor<'a>(&'a self, rank: usize, source: &'a [f64]) -> WallCursor<'a> {
+    pub(super) fn cursor<'a>(&'a self, rank: usize, source: &'a [f64]) -> SourceCursor<'a> {
         let next = self.rank.partition_point(|&r| (r as usize) < rank);
-        WallCursor { rows: self, source, next }
+        SourceCursor { rows: self, source, next }
     }
 
     /// Bytes that the rows hold.
     pub fn memory_bytes(&self) -> usize {
         let by_row = size_of::<u32>() + 4 * size_of::<f64>();
-        let Source { points, terms, .. } = &self.source;
-        self.rank.len() * by_row + size_of_val(&**points) + size_of_val(&**terms)
+        let linear = size_of_val(&*self.linear);
+        let RowSources { points, terms, .. } = &self.source;
+        self.rank.len() * by_row + linear + size_of_val(&**points) + size_of_val(&**terms)
     }
 }
 
 /// Goes through the rows in the order of their ranks.
-pub(super) struct WallCursor<'a> {
-    rows: &'a WallRows,
+pub(super) struct SourceCursor<'a> {
+    rows: &'a SourceRows,
     /// Source of each row; none means 0.
     source: &'a [f64],
     next: usize,
 }
 
-impl WallCursor<'_> {
+impl SourceCursor<'_> {
     /// The rank of the next row; of none, one that no row has.
     #[inline(always)]
     pub(super) fn next_rank(&self) -> usize {
