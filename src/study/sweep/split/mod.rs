@@ -15,7 +15,7 @@ use crate::model::Problem;
 use crate::model::integrator::{Method, MethodChoice};
 use crate::model::interpolation::Interpolation;
 use crate::model::lattice::{Edge, End, LatticeScene, effective_diffusivity_ratio};
-use crate::model::operator::WallNeeds;
+use crate::model::operator::FoldNeeds;
 use crate::report::Norms;
 use crate::report::run::ProbeReport;
 use crate::report::study::{Part, ProbeSplit, Split};
@@ -130,8 +130,8 @@ fn lattice(problem: &Problem) -> Result<LatticeScene, String> {
     if !problem.held.is_empty() {
         return Err("the case holds the values of particles".to_owned());
     }
-    if !matches!(WallNeeds::of(problem), WallNeeds::None | WallNeeds::Insulated) {
-        return Err("a wall of the case imposes something".to_owned());
+    if !matches!(FoldNeeds::of(problem), FoldNeeds::None | FoldNeeds::Insulated) {
+        return Err("a wall or a source of the case imposes something".to_owned());
     }
     let is_mirror = |end: &End| match end {
         End::Free => true,

@@ -105,4 +105,6 @@ fn scenes_without_known_modes_say_why() {
         let found = Space::of(&scene).err().unwrap_or_default();
         assert!(found.contains(why), "{case}: {found}");
     }
+    let fed = scene(&["particles.spacing=1", "time.step=116800", "sources=[{\"rate\":1e-9}]"]);
+    assert!(Space::of(&fed).err().is_some_and(|why| why.contains("a source of the case")));
 }
