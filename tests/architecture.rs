@@ -17,8 +17,13 @@ const MAY_USE: [(&str, &[&str]); 8] = [
 
 /// Crates that only some modules may name: no GPU in the physics, no printing layer below the
 /// command line.
-const ONLY_IN: [(&str, &[&str]); 4] =
-    [("wgpu", &["gpu"]), ("clap", &["cli"]), ("indicatif", &["cli"]), ("plotters", &["report"])];
+const ONLY_IN: [(&str, &[&str]); 5] = [
+    ("wgpu", &["gpu"]),
+    ("clap", &["cli"]),
+    ("indicatif", &["cli"]),
+    ("plotters", &["report"]),
+    ("rustdct", &["study"]),
+];
 
 /// The modules that a line of `module` names against the rules.
 fn forbidden<'a>(module: &str, may_use: &[&str], line: &'a str) -> Vec<&'a str> {

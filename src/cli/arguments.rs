@@ -1,5 +1,6 @@
 //! Flags that several commands share.
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
 use super::CliError;
@@ -25,12 +26,18 @@ pub(super) struct CaseArguments {
 impl CaseArguments {
     /// Loads the case with every override applied.
     pub(super) fn load(&self) -> Result<Scene, CliError> {
-        let mut overrides =
-            self.set.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>()?;
-        if let Some(method) = &self.method {
-            overrides.push(Override::parse(&format!("time.method={method}"))?);
-        }
+        let overrides = self
+            .changes()
+            .iter()
+            .map(|text| Override::parse(text))
+            .collect::<Result<Vec<_>, _>>()?;
         Ok(case::load(&self.case, &overrides)?)
+    }
+
+    /// What is changed in the case, as `path=value`.
+    pub(super) fn changes(&self) -> Vec<String> {
+        let method = self.method.iter().map(|method| format!("time.method={method}"));
+        self.set.iter().cloned().chain(method).collect()
     }
 }
 
@@ -127,6 +134,19 @@ impl WayArguments {
     /// The path that is wanted.
     pub(super) fn path(&self) -> PathWish {
         self.path.wish()
+    }
+
+    /// The flags as another run takes them, on the backend that `auto` stands for here.
+    pub(super) fn flags(&self, backend: &str) -> Vec<(String, String)> {
+        let name = |value: Option<PossibleValue>| value.map(|of| of.get_name().to_owned());
+        let all = [
+            ("backend", Some(backend.to_owned())),
+            ("adapter", self.machine.adapter.clone()),
+            ("precision", name(self.precision.to_possible_value())),
+            ("path", name(self.path.to_possible_value())),
+        ];
+        let given = all.into_iter().filter(|(_, value)| value.as_deref() != Some("auto"));
+        given.filter_map(|(flag, value)| Some((flag.to_owned(), value?))).collect()
     }
 
     /// The flags as a wish.

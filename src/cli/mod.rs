@@ -8,6 +8,7 @@ mod check;
 mod devices;
 mod progress;
 mod run;
+mod study;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -38,6 +39,8 @@ enum Command {
     Run(run::Arguments),
     /// Show what a run would do, without solving: particles, memory, step, path, what is left out
     Check(check::Arguments),
+    /// Report error against run time over many settings: tables, plots, and which one to run
+    Study(study::Arguments),
     /// Measure the throughput beside what the memory and the processor can do at most
     Bench(bench::Arguments),
     /// List the shipped cases, or print one
@@ -64,6 +67,16 @@ enum CliError {
     Case(#[from] case::CaseError),
     #[error("{0}")]
     Run(#[from] RunError),
+    #[error("{0}")]
+    Study(#[from] crate::study::StudyError),
+    #[error("no setting has a result: {why}")]
+    NothingRan { why: String },
+    #[error("--with: {}: {why}", .path.display())]
+    Peers { path: std::path::PathBuf, why: String },
+    #[error("cannot find the program itself: {0}")]
+    OwnProgram(io::Error),
+    #[error("{0}")]
+    Files(crate::report::OutputError),
     #[error("--out: {0}")]
     Folder(crate::report::OutputError),
     #[error("--out: the run would overwrite its own case {}; choose another folder", .path.display())]
@@ -88,9 +101,14 @@ impl CliError {
     /// 2 where the case or the flags are at fault, 1 where the run failed.
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Case(_) | Self::Folder(_) | Self::OverwritesCase { .. } => 2,
+            Self::Case(_) | Self::Folder(_) | Self::OverwritesCase { .. } | Self::Peers { .. } => 2,
+            Self::Study(error) if error.is_usage() => 2,
             Self::Run(error) if error.is_usage() => 2,
             Self::Run(_)
+            | Self::Study(_)
+            | Self::NothingRan { .. }
+            | Self::OwnProgram(_)
+            | Self::Files(_)
             | Self::Stdout(_)
             | Self::Json(_)
             | Self::Interrupt(_)
@@ -105,6 +123,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Cases(arguments) => cases::cases(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),

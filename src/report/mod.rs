@@ -6,16 +6,19 @@
 
 pub mod bench;
 pub mod format;
+pub mod html;
 pub mod norms;
 pub mod output;
 pub mod probes;
 pub mod profile;
 pub mod run;
+pub mod study;
 pub mod sum;
 pub mod vtu;
 
 mod axis;
 mod bench_table;
+mod canvas;
 mod plot;
 mod summary;
 
@@ -25,5 +28,6 @@ pub use output::{OutputError, OutputFolder};
 pub use probes::{ProbeRecord, ProbeWriter};
 pub use profile::Profile;
 pub use run::RunReport;
+pub use study::StudyReport;
 pub use sum::total;
 pub use vtu::SeriesWriter;

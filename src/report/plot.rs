@@ -1,17 +1,14 @@
 //! Drawing a profile as SVG.
 
-use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Axis;
+use super::canvas::{self, Area, Drawn, FINE, Failure, GRID, INK, font, line};
 use super::format::significant;
 use super::profile::Profile;
 
-/// plotters places everything on whole units; drawn this many times larger than it is shown, lines
-/// are smooth.
-const FINE: i32 = 8;
 const WIDTH: i32 = 900;
 const HEADER: i32 = 72;
 const UPPER: i32 = 360;
@@ -21,13 +18,8 @@ const MOST_POINTS: usize = 2000;
 
 const NUMERICAL: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
 const EXACT: RGBColor = RGBColor(0xd9, 0x5f, 0x02);
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-const GRID: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'c, 'b> = ChartContext<'c, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-type Failure = Box<dyn std::error::Error + Send + Sync>;
-type Drawn = Result<(), Failure>;
 
 /// The plot of `profile` as SVG text.
 pub(super) fn svg(profile: &Profile) -> Result<String, Failure> {
@@ -36,34 +28,17 @@ pub(super) fn svg(profile: &Profile) -> Result<String, Failure> {
         .as_ref()
         .map(|exact| profile.value.iter().zip(exact).map(|(v, e)| v - e).collect());
     let lower = if error.is_some() { LOWER } else { 0 };
-    let size = (WIDTH, HEADER + UPPER + lower);
-    let mut text = String::new();
-    {
-        let canvas = ((size.0 * FINE) as u32, (size.1 * FINE) as u32);
-        let root = SVGBackend::with_string(&mut text, canvas).into_drawing_area();
-        root.fill(&WHITE)?;
+    canvas::svg((WIDTH, HEADER + UPPER + lower), |root| {
         let (header, panels) = root.split_vertically(HEADER * FINE);
         let (top, bottom) = panels.split_vertically(UPPER * FINE);
         draw_header(&header, profile)?;
         let thinned = thin(error.as_ref().unwrap_or(&profile.value));
         values_panel(&top, profile, &thinned)?;
-        if let Some(error) = &error {
-            error_panel(&bottom, profile, error, &thinned)?;
+        match &error {
+            Some(error) => error_panel(&bottom, profile, error, &thinned),
+            None => Ok(()),
         }
-        root.present()?;
-    }
-    let [fine, shown] =
-        [FINE, 1].map(|scale| format!(r#"width="{}" height="{}""#, size.0 * scale, size.1 * scale));
-    Ok(text.replacen(&fine, &shown, 1))
-}
-
-/// Font size in units of the canvas; plotters divides sizes by 1.24 on the way to SVG.
-fn font(size: f64) -> TextStyle<'static> {
-    ("sans-serif", size * 1.24 * f64::from(FINE)).into_font().color(&INK)
-}
-
-fn line(color: RGBColor, width: f64) -> ShapeStyle {
-    color.stroke_width((width * f64::from(FINE)) as u32)
+    })
 }
 
 /// Title, and below it the legend, outside the panels so that it hides nothing.

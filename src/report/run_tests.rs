@@ -3,7 +3,7 @@ use serde_json::{Value, json};
 use super::*;
 
 /// A report with a value in every place.
-fn example() -> RunReport {
+pub(crate) fn example() -> RunReport {
     RunReport {
         report_version: REPORT_VERSION,
         case: "deposit".into(),

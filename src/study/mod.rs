@@ -1,11 +1,14 @@
-//! Drivers above the solver: one run of a scene with its report, and the benchmark.
+//! Drivers above the solver: one run of a scene with its report, a study of many runs, and the
+//! benchmark.
 
 mod bench;
 mod recorder;
 mod run;
 mod stagnated;
+mod sweep;
 
 pub use bench::{BenchOptions, BenchOutcome, BenchProgress, LEAST_SIZE, bench};
 pub use run::{
     Driver, Operator, Outcome, Prepared, RunError, RunOptions, lattice_walls, prepare, run, start,
 };
+pub use sweep::{StudyError, StudyOptions, StudyProgress, Vary, study, study_machine};
