@@ -60,7 +60,7 @@ impl Space {
         let modes = Modes::of(lattice);
         let initial = modes.amplitudes(&lattice.by_site(&problem.initial));
         let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
-        let diffusivity = problem.materials[material].diffusivity;
+        let diffusivity = problem.materials[material].diffusivity();
         let moment = problem.correction.moment(&problem.kernel, problem.spacing);
         let ratio = effective_diffusivity_ratio(&problem.kernel, problem.spacing) / moment;
         let after = |rates: &[f64]| modes.after(&initial, rates, time);
