@@ -8,6 +8,7 @@ mod check;
 mod devices;
 mod progress;
 mod run;
+mod stability;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -40,6 +41,8 @@ enum Command {
     Check(check::Arguments),
     /// Measure the throughput beside what the memory and the processor can do at most
     Bench(bench::Arguments),
+    /// Find where methods, steps and precisions break, and what holds
+    Stability(stability::Arguments),
     /// List the shipped cases, or print one
     Cases(cases::Arguments),
     /// List the GPU adapters, and say which one `--backend auto` would take
@@ -74,6 +77,8 @@ enum CliError {
     Json(#[from] serde_json::Error),
     #[error("cannot catch Ctrl-C: {0}")]
     Interrupt(#[from] ctrlc::Error),
+    #[error("{count} of the promises of the documentation did not hold; see the report")]
+    Broken { count: usize },
     #[error("interrupted: what had been measured by then is in the report")]
     Interrupted,
 }
@@ -94,6 +99,7 @@ impl CliError {
             | Self::Stdout(_)
             | Self::Json(_)
             | Self::Interrupt(_)
+            | Self::Broken { .. }
             | Self::Interrupted => 1,
         }
     }
@@ -106,6 +112,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
+        Command::Stability(arguments) => stability::stability(&arguments),
         Command::Cases(arguments) => cases::cases(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Schema => schema(),

@@ -12,11 +12,13 @@ pub mod output;
 pub mod probes;
 pub mod profile;
 pub mod run;
+pub mod stability;
 pub mod sum;
 pub mod vtu;
 
 mod axis;
 mod bench_table;
+mod canvas;
 mod plot;
 mod summary;
 
@@ -26,5 +28,6 @@ pub use output::{OutputError, OutputFolder};
 pub use probes::{ProbeRecord, ProbeWriter};
 pub use profile::Profile;
 pub use run::RunReport;
+pub use stability::StabilityReport;
 pub use sum::total;
 pub use vtu::SeriesWriter;
