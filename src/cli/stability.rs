@@ -161,3 +161,51 @@ fn support_ratio(text: &str) -> Result<f64, String> {
     let allowed = ratio > 1.0 && ratio <= WIDEST;
     allowed.then_some(ratio).ok_or_else(|| format!("not above 1 and at most {WIDEST}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+
+    /// What the study of a line comes to whose runs have a kernel wrong by `kernel_factor`.
+    fn outcome(kernel_factor: f64) -> StabilityOutcome {
+        let options = StabilityOptions {
+            scene: None,
+            machines: Vec::new(),
+            kernels: vec![KernelKind::CubicSpline],
+            support_ratios: vec![2.0],
+            dimensions: vec![1],
+            quick: true,
+            tampering: Tampering { kernel_factor },
+            command: String::new(),
+        };
+        // The lattices alone, as if there were no more.
+        let result = study::stability(&options, &mut |progress| match progress.done {
+            0 | 1 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        });
+        let outcome = result.unwrap_or_else(|error| panic!("{error}"));
+        assert!(outcome.interrupted && outcome.report.scans.len() == 2);
+        StabilityOutcome { interrupted: false, ..outcome }
+    }
+
+    #[test]
+    fn a_broken_promise_ends_with_1_and_so_does_a_stop() {
+        assert!(conclude(&outcome(1.0)).is_ok());
+        let broken = conclude(&outcome(1.02)).expect_err("the limit is off");
+        assert!(matches!(broken, CliError::Broken { count: 2.. }), "{broken}");
+        assert_eq!(broken.exit_code(), 1);
+        let stopped = StabilityOutcome { interrupted: true, ..outcome(1.0) };
+        let stopped = conclude(&stopped).expect_err("it was stopped");
+        assert_eq!(stopped.exit_code(), 1);
+    }
+
+    #[test]
+    fn kernels_and_supports_are_checked() {
+        assert_eq!(kernel(" lucy"), Ok(KernelKind::Lucy));
+        assert!(kernel("gauss").is_err_and(|error| error.contains("wendland_c6")));
+        assert_eq!(support_ratio("2.4"), Ok(2.4));
+        assert!(["1", "11", "nan", "x"].iter().all(|text| support_ratio(text).is_err()));
+    }
+}

@@ -57,6 +57,7 @@ fn by_euler(problem: &Problem) -> Problem {
     problem.time.step = StepChoice::Automatic;
     problem.time.end = 1.0;
     problem.time.breaks.clear();
+    [problem.time.output_every, problem.time.probe_every] = [f64::INFINITY; 2];
     problem
 }
 

@@ -11,6 +11,9 @@ const BELOW: f64 = 0.99;
 /// The same of a step above it.
 pub(super) const ABOVE: f64 = 1.5;
 
+/// Steps after which a field that doubles in each of them is no number any more, from whatever was in it.
+const TO_OVERFLOW: f64 = 2500.0;
+
 /// Times the slowest diffusivity takes over the body that a slow run lasts.
 const SLOW: f64 = 0.1;
 
@@ -88,6 +91,7 @@ impl Way {
         let time = &mut problem.time;
         time.end = safe * scene.length.steps() as f64;
         time.breaks.clear();
+        time.probe_every = f64::INFINITY;
         time.linear_tolerance = None;
         time.method = MethodChoice::Given(self.method());
         (time.step, time.output_every) = match self {
@@ -99,7 +103,7 @@ impl Way {
             Self::Slow => (StepChoice::Tolerance(Tolerance::DEFAULT), f64::INFINITY),
         };
         match (self, scene.length) {
-            (Self::EulerAbove, _) => time.end = steps_to_overflow() * ABOVE * bounds.limit,
+            (Self::EulerAbove, _) => time.end = TO_OVERFLOW * ABOVE * bounds.limit,
             (Self::Slow, _) => {
                 time.method = MethodChoice::Automatic;
                 time.end = slow_time(&scene.problem);
@@ -150,11 +154,6 @@ pub(super) fn implicit_reference(problem: &Problem, relative: f64) -> Problem {
 fn jump(time: f64) -> ScalarField {
     ScalarField::new("0, then 1", move |_, t| if t < time { 0.0 } else { 1.0 })
         .depending_on(false, true)
-}
-
-/// Steps after which a field that doubles in each of them is no number any more, from whatever was in it.
-fn steps_to_overflow() -> f64 {
-    2500.0
 }
 
 /// A time in which the slowest material of a scene changes over its whole length, s.
