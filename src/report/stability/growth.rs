@@ -89,10 +89,10 @@ fn growth_panel(area: &Area<'_>, scan: &StepScan) -> Drawn {
     });
     chart.draw_series(LineSeries::new(expected, line(EXPECTED, 1.75)))?;
     let bounds = [
-        (Some(scan.cfl_third_s), REPORTS, "(117)", 0.72),
-        (scan.safe_s, SAFE, "safe", 0.9),
         (scan.measured_limit_s, INK, "limit", 0.9),
-        (Some(scan.cfl_s), REPORTS, "(116)", 0.72),
+        (scan.safe_s, SAFE, "safe", 0.77),
+        (Some(scan.cfl_third_s), REPORTS, "(117)", 0.64),
+        (Some(scan.cfl_s), REPORTS, "(116)", 0.64),
     ];
     for (bound, color, name, height) in bounds {
         if let Some(bound) = bound {

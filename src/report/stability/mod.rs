@@ -234,7 +234,7 @@ mod tests {
         let good = Check::at_most("drift", 1e-16, 1e-12, true);
         let unpromised = Check::at_most("overshoot", 0.1, 1e-12, false);
         let broken = Check::at_most("overshoot", 0.1, 1e-12, true);
-        assert_eq!(Verdict::of(&[good.clone()]), Verdict::Pass);
+        assert_eq!(Verdict::of(std::slice::from_ref(&good)), Verdict::Pass);
         assert_eq!(Verdict::of(&[good.clone(), unpromised]), Verdict::Degraded);
         assert_eq!(Verdict::of(&[broken, good]), Verdict::Fail);
         let lost = Check::at_most("error", f64::NAN, 1.0, true);

@@ -64,8 +64,10 @@ impl StabilityReport {
 
     fn verdicts(&self) -> Result<Vec<Html>, Failure> {
         let mut parts = vec![paragraph(
-            "Each cell gives the verdict and the figure that decided it: the one that fails, or the \
-             one nearest to what it is held to. What each figure is stands in the table below.",
+            "Each cell gives the verdict with a figure: where something fails, by how much; else for \
+             explicit Euler how far values leave the range that they start from and that walls impose, \
+             above the limit how far the growth is off, and for the other methods the error, all of \
+             these over the size of the field. Everything that was checked stands in the tables below.",
         )];
         for machine in self.machines() {
             let caption = format!("Verdicts on the {}, {}.", machine.0.to_uppercase(), machine.1);

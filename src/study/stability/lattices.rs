@@ -35,10 +35,11 @@ pub(super) struct LatticeKind {
 /// Those that the options ask for, where their kernel is defined.
 pub(super) fn asked_for(options: &StabilityOptions<'_>) -> Vec<LatticeKind> {
     let mut kinds = Vec::new();
-    for &dimension in &options.dimensions {
-        for &kernel in options.kernels.iter().filter(|kernel| kernel.is_defined_in(dimension)) {
-            for &support_ratio in &options.support_ratios {
-                for correction in Correction::ALL {
+    for &kernel in &options.kernels {
+        for &support_ratio in &options.support_ratios {
+            for correction in Correction::ALL {
+                let dimensions = options.dimensions.iter().copied();
+                for dimension in dimensions.filter(|&dimension| kernel.is_defined_in(dimension)) {
                     kinds.push(LatticeKind { kernel, dimension, support_ratio, correction });
                 }
             }

@@ -140,9 +140,12 @@ fn body(
     problem
 }
 
+/// Whether a particle is slow: by its index, its position (m) and a number between -0.5 and 0.5.
+type IsSlow = fn(usize, DVec3, f64) -> bool;
+
 /// Layers, random, isolated fast and isolated slow particles at every contrast.
 fn contrasts() -> Vec<ExtremeScene> {
-    let kinds: [(&str, fn(usize, DVec3, f64) -> bool); 4] = [
+    let kinds: [(&str, IsSlow); 4] = [
         ("layers", |_, x, _| (x.x / (4.0 * SPACING)) as usize % 2 == 1),
         ("random", |_, _, noise| noise > 0.0),
         ("isolated fast", |particle, _, _| particle % RARE != RARE / 2 + particle / RARE % 4),

@@ -66,7 +66,7 @@ impl<'a> Trials<'a> {
         match judged {
             Ok(checks) => {
                 report.verdict = Verdict::of(&checks);
-                (report.figure, report.reason) = describe(&checks);
+                (report.figure, report.reason) = describe(way, &checks);
                 report.checks = checks;
             }
             Err(Lost::Interrupted) if is_late => {
@@ -218,16 +218,17 @@ fn half(mut problem: Problem) -> Problem {
     problem
 }
 
-/// The figure that decides, and what it says.
-fn describe(checks: &[Check]) -> (String, String) {
+/// The figure that decides, and what it says: that of what fails, else the one that tells most.
+fn describe(way: Way, checks: &[Check]) -> (String, String) {
     let broken = checks.iter().find(|check| check.is_broken());
     let failing = broken.or_else(|| checks.iter().find(|check| !check.holds));
-    let share = |check: &Check| match check.limit > 0.0 {
-        true => check.value.unwrap_or(f64::INFINITY) / check.limit,
-        false => 0.0,
+    let telling = match way {
+        Way::EulerSafe | Way::EulerBelow => "leaves the range by",
+        Way::EulerAbove => "growth off |1 - dt lambda|",
+        Way::Tolerant(_) | Way::Steady | Way::Slow => "error",
     };
-    let nearest = checks.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    let Some(check) = failing.or(nearest) else {
+    let telling = checks.iter().find(|check| check.what == telling);
+    let Some(check) = failing.or(telling).or(checks.first()) else {
         return (String::new(), "nothing was checked".to_owned());
     };
     let figure = check.value.map_or("not finite".to_owned(), |value| significant(value, 2));
