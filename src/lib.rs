@@ -7,7 +7,7 @@
 //! | module | what it holds | may use |
 //! |---|---|---|
 //! | [`cli`] | one file a subcommand | everything but `exact` |
-//! | [`study`] | drivers: one run of a scene with its report, a study of many settings, the benchmark | `case solver exact report model` |
+//! | [`study`] | drivers: one run of a scene with its report, a study of many settings, numerical stability, the benchmark | `case solver exact report model` |
 //! | [`case`] | case file, expressions, shapes: JSON to a [`model::Problem`] | `exact model` |
 //! | [`solver`] | plan, backend trait, CPU and GPU backends, the time loop, limits of a machine | `gpu model` |
 //! | [`report`] | norms, JSON, CSV, VTK and SVG output | `model` |

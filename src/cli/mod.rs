@@ -8,6 +8,7 @@ mod check;
 mod devices;
 mod progress;
 mod run;
+mod stability;
 mod study;
 
 use std::io::{self, Write};
@@ -43,6 +44,8 @@ enum Command {
     Study(study::Arguments),
     /// Measure the throughput beside what the memory and the processor can do at most
     Bench(bench::Arguments),
+    /// Find where methods, steps and precisions break, and what holds
+    Stability(stability::Arguments),
     /// List the shipped cases, or print one
     Cases(cases::Arguments),
     /// List the GPU adapters, and say which one `--backend auto` would take
@@ -87,6 +90,8 @@ enum CliError {
     Json(#[from] serde_json::Error),
     #[error("cannot catch Ctrl-C: {0}")]
     Interrupt(#[from] ctrlc::Error),
+    #[error("{count} of the promises of the documentation did not hold; see the report")]
+    Broken { count: usize },
     #[error("interrupted: what had been measured by then is in the report")]
     Interrupted,
 }
@@ -112,6 +117,7 @@ impl CliError {
             | Self::Stdout(_)
             | Self::Json(_)
             | Self::Interrupt(_)
+            | Self::Broken { .. }
             | Self::Interrupted => 1,
         }
     }
@@ -125,6 +131,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments),
         Command::Study(arguments) => study::study(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
+        Command::Stability(arguments) => stability::stability(&arguments),
         Command::Cases(arguments) => cases::cases(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Schema => schema(),

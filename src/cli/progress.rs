@@ -53,7 +53,7 @@ impl Monitor {
     }
 
     /// Whether the user has asked to stop.
-    fn flow(&self) -> ControlFlow<()> {
+    pub(super) fn flow(&self) -> ControlFlow<()> {
         match self.interrupted.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

@@ -39,6 +39,7 @@ impl<B: Backend> Adaptive<'_, B> {
             }
             if !self.try_step(backend, dt)? {
                 self.taken.refused += 1;
+                self.look(backend, observer)?;
                 continue;
             }
             self.time = if dt == remaining { end } else { self.time + dt };
@@ -47,17 +48,24 @@ impl<B: Backend> Adaptive<'_, B> {
             if dt < remaining || self.taken.steps == 1 {
                 self.taken.note(dt);
             }
-            let left = (self.problem.time.end - self.time) / self.controller.step(f64::MAX);
-            let steps = self.taken.steps + left.ceil() as u64;
-            let (step, time) = (self.taken.steps, self.time);
-            let progress = Progress { step, steps, time, still: None };
-            if observer.progress(progress).is_break() && time < self.problem.time.end {
-                observer.last_state(time, backend.read()?.as_ref())?;
-                return Err(SolverError::Interrupted { step, time }.into());
-            }
+            self.look(backend, observer)?;
         }
         if segment.is_break {
             self.controller.restart(self.first);
+        }
+        Ok(())
+    }
+
+    /// Tells the observer where the run is, which may stop it here: also between steps that are refused, of
+    /// which there may be many.
+    fn look<O: Observer>(&self, backend: &mut B, observer: &mut O) -> Result<(), O::Error> {
+        let left = (self.problem.time.end - self.time) / self.controller.step(f64::MAX);
+        let steps = self.taken.steps + left.ceil() as u64;
+        let (step, time) = (self.taken.steps, self.time);
+        let progress = Progress { step, steps, time, still: None };
+        if observer.progress(progress).is_break() && time < self.problem.time.end {
+            observer.last_state(time, backend.read()?.as_ref())?;
+            return Err(SolverError::Interrupted { step, time }.into());
         }
         Ok(())
     }

@@ -110,6 +110,14 @@ impl Kernel {
         Some(Self { kind, dimension, support_radius, w_scale, dw_over_r_scale })
     }
 
+    /// The same kernel with W and W' multiplied by `factor`: a wrong normalisation, for the negative
+    /// controls of tests.
+    #[must_use]
+    pub fn with_factor(self, factor: f64) -> Self {
+        let [w_scale, dw_over_r_scale] = [self.w_scale, self.dw_over_r_scale].map(|s| s * factor);
+        Self { w_scale, dw_over_r_scale, ..self }
+    }
+
     /// Which kernel.
     pub fn kind(&self) -> KernelKind {
         self.kind

@@ -1,9 +1,11 @@
 //! How large a step of explicit Euler may be.
 
 mod lanczos;
+mod symbol;
 mod tridiagonal;
 
 pub use lanczos::{LargestEigenvalue, largest_eigenvalue, rough_field};
+pub use symbol::lattice_eigenvalue;
 pub use tridiagonal::Tridiagonal;
 
 use super::Problem;

@@ -34,14 +34,15 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    /// The aggregates of `problem`, on `backend`; `None` where there would be too few to gain anything.
+    /// The aggregates of `problem`, on `backend`; `None` where every particle is held. A single one gains no
+    /// speed, but what is solved conserves.
     pub(super) fn new<B: Backend>(
         backend: &mut B,
         problem: &Problem,
     ) -> Result<Option<Self>, SolverError> {
         let mut boxes = Boxes::of(problem);
         let (aggregate, colors) = boxes.aggregates(problem);
-        if colors.len() < 3 {
+        if colors.is_empty() {
             return Ok(None);
         }
         backend.aggregate(&aggregate, colors.len())?;
