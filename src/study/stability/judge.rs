@@ -64,7 +64,7 @@ impl Range {
                 }
             }
         }
-        range.is_whole &= problem.surfaces.is_empty();
+        range.is_whole &= problem.surfaces.is_empty() && problem.sources.is_empty();
         range
     }
 

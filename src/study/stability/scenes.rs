@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::case;
 use crate::model::stability::rough_field;
-use crate::model::{Correction, KernelKind, Problem, ScalarField};
+use crate::model::{Correction, KernelKind, Problem, ScalarField, Source};
 
 /// Particles along an edge of a plate.
 const EDGE: usize = 16;
@@ -45,7 +45,8 @@ pub(super) enum Length {
     Steps(u64),
     /// So many equal steps of the safe bound, whatever the method.
     EqualSteps(u64),
-    /// So many safe steps; after half of them a wall's value jumps from 0 to 1.
+    /// So many safe steps; after half of them the first source, or where there is none the first wall's
+    /// value, jumps from 0 to 1.
     Jump(u64),
 }
 
@@ -271,12 +272,20 @@ fn magnitudes() -> Vec<ExtremeScene> {
     scenes
 }
 
-/// A wall that jumps, and a million steps.
+/// A wall that jumps, a source that starts, and a million steps.
 fn times() -> Vec<ExtremeScene> {
     let jump = lattice(&[EDGE, EDGE], Edges::Driven);
+    let mut fed = lattice(&[EDGE, EDGE], Edges::Driven);
+    fed.sources = vec![Source {
+        name: "source".to_owned(),
+        particles: Some((0..fed.particles.len() as u32 / 2).collect()),
+        rate: ScalarField::constant(0.0),
+        linear: ScalarField::constant(-1.0),
+    }];
     let long = lattice(&[8], Edges::Closed);
     vec![
         ExtremeScene { length: Length::Jump(200), ..scene("time", "a wall that jumps", jump) },
+        ExtremeScene { length: Length::Jump(200), ..scene("time", "a source that starts", fed) },
         ExtremeScene { length: Length::EqualSteps(1_000_000), ..scene("time", "1e6 steps", long) },
     ]
 }

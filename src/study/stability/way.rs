@@ -77,7 +77,7 @@ impl Way {
                 Some("the scene is about equal steps of the safe bound")
             }
             Self::Steady if matches!(length, Length::Jump(_)) => {
-                Some("what a wall imposes changes: there is no steady state")
+                Some("what is imposed changes: there is no steady state")
             }
             Self::Steady if !bounds.symmetric => Some("the matrix is not symmetric"),
             _ => None,
@@ -117,7 +117,10 @@ impl Way {
         if matches!(scene.length, Length::Jump(_)) {
             let at = 0.5 * time.end;
             time.breaks = vec![at];
-            problem.walls[0].condition.imposed = jump(at);
+            match problem.sources.first_mut() {
+                Some(source) => source.rate = jump(at),
+                None => problem.walls[0].condition.imposed = jump(at),
+            }
         }
         problem
     }
