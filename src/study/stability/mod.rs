@@ -286,10 +286,15 @@ impl<'a> Study<'a> {
         way: way::Way,
         machine: &Machine,
     ) -> Option<&'static str> {
+        if !self.options.quick {
+            return None;
+        }
+        let is_gpu = matches!(machine, Machine::Gpu { .. });
         let is_long = matches!(scene.length, Length::EqualSteps(_));
-        let is_fused = way == way::Way::EulerSafe && matches!(machine, Machine::Cpu);
-        (self.options.quick && is_long && !is_fused && way != way::Way::Steady)
-            .then_some("--quick: it takes long")
+        let is_short = way == way::Way::Steady || way == way::Way::EulerSafe && !is_gpu;
+        // A linear system of a long step takes many iterations, between which a run cannot be stopped.
+        let is_slow = is_gpu && way == way::Way::Slow;
+        (is_long && !is_short || is_slow).then_some("--quick: it takes long")
     }
 }
 
