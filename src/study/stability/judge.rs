@@ -15,7 +15,7 @@ const TIMES_TOLERANCE: f64 = 3.0;
 /// What halving a step must leave of the error of explicit Euler: half, and some of it.
 const HALVED: f64 = 0.7;
 
-/// Errors below this are rounding, of the scale of the field.
+/// Errors below this are rounding in f64, of the scale of the field.
 const NO_ERROR: f64 = 1e-9;
 
 /// What a steady state may be off, of the scale of the field.
@@ -124,12 +124,7 @@ impl Judge<'_> {
     /// Whether the accuracy of `way` is promised: methods that solve linear systems know small residuals
     /// alone, and at a large contrast the error may be far larger.
     fn is_promised(&self, way: Way) -> bool {
-        let solves = match way {
-            Way::Tolerant(method) => method.is_implicit(),
-            Way::Steady | Way::Slow => true,
-            Way::EulerSafe | Way::EulerBelow | Way::EulerAbove => false,
-        };
-        !self.is_warned() && (!solves || contrast(self.problem) <= MOST_CONTRAST)
+        !self.is_warned() && (!way.solves() || contrast(self.problem) <= MOST_CONTRAST)
     }
 
     /// What `trial` in this `way` is held to; `reference` is what it should have come to, `halved` the same
@@ -150,7 +145,11 @@ impl Judge<'_> {
             checks.push(match (way, halved) {
                 (Way::EulerSafe, Some(halved)) => {
                     let less = distance(halved, reference, scale);
-                    let left = if error <= NO_ERROR { 0.0 } else { less / error };
+                    let left = if error <= NO_ERROR.max(self.precision.finest()) {
+                        0.0
+                    } else {
+                        less / error
+                    };
                     Check::at_most("error left by half the step", left, HALVED, promised)
                 }
                 (Way::EulerSafe | Way::EulerBelow | Way::EulerAbove, _) => {

@@ -292,8 +292,9 @@ impl<'a> Study<'a> {
         let is_gpu = matches!(machine, Machine::Gpu { .. });
         let is_long = matches!(scene.length, Length::EqualSteps(_));
         let is_short = way == way::Way::Steady || way == way::Way::EulerSafe && !is_gpu;
-        // A linear system of a long step takes many iterations, between which a run cannot be stopped.
-        let is_slow = is_gpu && way == way::Way::Slow;
+        // A linear system that rounding keeps from its goal takes many iterations, between which a run cannot
+        // be stopped.
+        let is_slow = is_gpu && way.solves();
         (is_long && !is_short || is_slow).then_some("--quick: it takes long")
     }
 }

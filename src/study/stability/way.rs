@@ -62,6 +62,15 @@ impl Way {
         }
     }
 
+    /// Whether it solves linear systems, or may.
+    pub(super) fn solves(self) -> bool {
+        match self {
+            Self::Tolerant(method) => method.is_implicit(),
+            Self::Steady | Self::Slow => true,
+            Self::EulerSafe | Self::EulerBelow | Self::EulerAbove => false,
+        }
+    }
+
     /// Whether the scene has it at all, and if not, why not.
     pub(super) fn why_not(self, bounds: &Bounds, length: Length) -> Option<&'static str> {
         match self {
