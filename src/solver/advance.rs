@@ -19,6 +19,9 @@ const CHUNK_TIME: Duration = Duration::from_millis(300);
 /// How much work may be lost to a value that is not finite: what is between two copies of the state,
 /// which each cost as much as a step or two.
 const SAVE_EVERY: Duration = Duration::from_secs(2);
+/// A look at the values reads all of them, which costs a good part of a step on a large lattice: the
+/// next one waits for so many times what the last one took.
+const LOOK_EVERY: u32 = 50;
 
 /// Where a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +102,14 @@ pub fn advance<B: Backend, O: Observer>(
         Kind::Equal(steps) => {
             let schedule = Schedule::new(&problem.time, dt);
             let total = schedule.total_steps();
-            let mut run = Run { steps: total, step: 0, chunk: FIRST_CHUNK, still: None, problem };
+            let mut run = Run {
+                steps: total,
+                step: 0,
+                chunk: FIRST_CHUNK,
+                look: Duration::ZERO,
+                still: None,
+                problem,
+            };
             for segment in schedule {
                 taken.note(segment.dt);
                 last = run.segment(backend, &mut **steps, observer, &segment);
@@ -151,6 +161,8 @@ struct Run<'a> {
     steps: u64,
     step: u64,
     chunk: u64,
+    /// What the last look at the values took.
+    look: Duration,
     still: Option<Still>,
     problem: &'a Problem,
 }
@@ -163,31 +175,46 @@ impl Run<'_> {
         observer: &mut O,
         segment: &Segment,
     ) -> Result<(), O::Error> {
-        let start = segment.start;
-        let (mut done, mut saved) = (0, 0);
-        let mut since_saved = SAVE_EVERY;
-        while done < segment.steps {
-            let count = self.chunk.min(segment.steps - done);
-            let time = start + done as f64 * segment.dt;
-            if since_saved >= SAVE_EVERY {
+        let (first, end) = (self.step, self.step + segment.steps);
+        let time_at = |step: u64| segment.start + (step - first) as f64 * segment.dt;
+        // The steps of the states last saved and last looked at.
+        let (mut saved, mut looked) = (first, first);
+        let (mut since_saved, mut since_look) = (SAVE_EVERY, Duration::ZERO);
+        while self.step < end {
+            if since_saved >= SAVE_EVERY && looked == self.step {
                 backend.save()?;
-                (saved, since_saved) = (done, Duration::ZERO);
+                (saved, since_saved) = (self.step, Duration::ZERO);
             }
             let clock = Instant::now();
-            stepper.take(backend, time, segment.dt, count)?;
-            if !backend.is_finite()? {
-                let time = start + saved as f64 * segment.dt;
-                self.step -= done - saved;
-                let count = done + count - saved;
-                return self.diverged(backend, stepper, observer, time, segment.dt, count);
-            }
-            self.adapt(count, clock.elapsed());
-            since_saved += clock.elapsed();
-            done += count;
+            let count = self.chunk.min(end - self.step);
+            stepper.take(backend, time_at(self.step), segment.dt, count)?;
+            backend.wait()?;
+            let elapsed = clock.elapsed();
+            self.adapt(count, elapsed);
             self.step += count;
-            let time = start + done as f64 * segment.dt;
-            let before = Still { step: self.step - count, time: time - count as f64 * segment.dt };
-            self.still = backend.is_still()?.then(|| self.still.unwrap_or(before));
+            since_saved += elapsed;
+            since_look += elapsed;
+            let time = time_at(self.step);
+            let is_due = since_look >= self.look * LOOK_EVERY || since_saved >= SAVE_EVERY;
+            if is_due || self.step == end {
+                let clock = Instant::now();
+                if !backend.is_finite()? {
+                    let count = self.step - saved;
+                    self.step = saved;
+                    return self.diverged(
+                        backend,
+                        stepper,
+                        observer,
+                        time_at(saved),
+                        segment.dt,
+                        count,
+                    );
+                }
+                let before = Still { step: looked, time: time_at(looked) };
+                self.still = backend.is_still()?.then(|| self.still.unwrap_or(before));
+                looked = self.step;
+                (self.look, since_look) = (clock.elapsed(), Duration::ZERO);
+            }
             let progress = Progress { step: self.step, steps: self.steps, time, still: self.still };
             if observer.progress(progress).is_break() && self.step < self.steps {
                 observer.last_state(time, backend.read()?.as_ref())?;
