@@ -8,7 +8,8 @@ use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
-    CHUNK, COMBINATION, Choices, GRID, STEP_SIZE, WallTerms, finite, self_test, still,
+    CHUNK, COMBINATION, Choices, GRID, STEP_SIZE, WallTerms, enthalpy, finite, potential_change,
+    self_test, slope_root, still,
 };
 use diffusph::solver::gpu::vector::{ENTRIES, PLACES, UPDATE, vector_passes};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -124,7 +125,11 @@ fn every_combination_is_valid() {
     let mut seen = BTreeSet::new();
     let passes = combinations().into_iter().flat_map(|choices| choices.all());
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
-    let on_states = |precision| [finite(precision, 64), still(precision, 64)];
+    let on_states = |precision| {
+        let looks = [finite(precision, 64), still(precision, 64)];
+        let of_curves = [enthalpy, potential_change, slope_root].map(|pass| pass(precision, 64));
+        looks.into_iter().chain(of_curves)
+    };
     let passes = passes.chain(Precision::ALL.into_iter().flat_map(on_states));
     let passes = passes.chain(Precision::ALL.into_iter().flat_map(vector_passes));
     let passes = passes.chain([self_test()]);

@@ -11,6 +11,10 @@ fn exactly(number: real) -> Value {
     return number;
 }
 
+fn of_words(first: real, second: real) -> Value {
+    return first + second;
+}
+
 fn plus(value: Value, other: Value) -> Value {
     return value + other;
 }

@@ -13,6 +13,10 @@ fn exactly(number: real) -> Value {
     return Value(number, 0.0);
 }
 
+fn of_words(first: real, second: real) -> Value {
+    return Value(first, second);
+}
+
 // The sum of two values: that of their first words is exact in two.
 fn plus(value: Value, other: Value) -> Value {
     return accumulated(accumulated(exactly(value.x), other.x), value.y + other.y);

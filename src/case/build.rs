@@ -7,12 +7,13 @@ use super::boundary::hold;
 use super::error::{CaseError, nearest};
 use super::exact::{Setting, resolve as resolve_exact};
 use super::geometry::{WHOLE, particles};
-use super::initial::{Ground, Initial, resolve as resolve_initial};
+use super::initial::{Ground, Initial, Recipient, resolve as resolve_initial};
 use super::material::MaterialSpec;
 use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
 use super::schema::Case;
 use super::source::resolve as resolve_sources;
+use super::thermal::{impose_potentials, range_of_values};
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
@@ -46,7 +47,8 @@ fn problem(
     warnings: &mut Vec<String>,
 ) -> Result<(Problem, Option<Solution>), CaseError> {
     let (evaluator, spacing) = evaluator(case)?;
-    let materials = materials(case, &evaluator)?;
+    // Temperatures are not known yet, and properties that depend on them not needed.
+    let materials = resolve_materials(case, &evaluator, None)?;
     warn_of_mixed_units(case, warnings);
     let (domain, particles) = particles(case, &evaluator, spacing, warnings)?;
     let kernel = kernel(case, &evaluator, spacing, &domain)?;
@@ -83,23 +85,26 @@ fn problem(
         deposits: &initial.deposits,
     };
     let exact = solution(case, &setting, &particles.position, time.end)?;
-    let problem = Problem {
+    let range = range_of_values(&initial.value, &walls, &domain);
+    let materials = resolve_materials(case, &evaluator, Some(range))?;
+    let mut problem = Problem {
         dimension: evaluator.dimension,
         spacing,
         domain,
         probes: probes(case, &evaluator, &domain, spacing)?,
+        initial: initial.state(&particles, &materials, &held),
         particles,
         materials,
         kernel,
         pair_mean,
         correction,
-        initial: initial.value,
         held,
         walls,
         surfaces,
         sources: sources.list,
         time,
     };
+    impose_potentials(&mut problem)?;
     warn_of_growth(&problem, warnings);
     Ok((problem, exact))
 }
@@ -119,7 +124,7 @@ fn warn_of_lost_parts(
     evaluator: &Evaluator,
     warnings: &mut Vec<String>,
 ) {
-    for (particle, entry) in &initial.recipients {
+    for Recipient { particle, entry, .. } in &initial.recipients {
         if held.binary_search(particle).is_ok() {
             let x = show(particles.position[*particle as usize], evaluator.dimension);
             let fault = format!("the particle at {x} is held: its part of the amount is lost");
@@ -195,11 +200,16 @@ fn evaluator(case: &Case) -> Result<(Evaluator, f64), CaseError> {
     Ok((Evaluator { spacing: Some(spacing), ..bare }, spacing))
 }
 
-fn materials(case: &Case, evaluator: &Evaluator) -> Result<Vec<Material>, CaseError> {
+/// The materials, with what depends on temperature for the temperatures of `range` (K) and far around.
+fn resolve_materials(
+    case: &Case,
+    evaluator: &Evaluator,
+    range: Option<[f64; 2]>,
+) -> Result<Vec<Material>, CaseError> {
     let count = case.materials.len();
     // Particles name their material by a u16.
     in_range("materials", count as f64, count <= usize::from(u16::MAX), "at most 65535 materials")?;
-    let material = |(name, spec): (&String, &MaterialSpec)| spec.resolve(name, evaluator);
+    let material = |(name, spec): (&String, &MaterialSpec)| spec.resolve(name, evaluator, range);
     case.materials.iter().map(material).collect()
 }
 

@@ -113,6 +113,14 @@ pub enum CaseError {
         /// What it must be.
         requirement: String,
     },
+    /// Something that does not go together with properties that depend on temperature.
+    #[error("{path}: {reason}")]
+    Thermal {
+        /// The path of what does not.
+        path: String,
+        /// Why.
+        reason: String,
+    },
     /// A point or vector of the wrong length.
     #[error("{path}: has {found} components, must have {dimension} (the case's dimension)")]
     Components {

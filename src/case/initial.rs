@@ -20,8 +20,39 @@ pub(super) struct Initial {
     pub(super) value: Vec<f64>,
     /// Amount and place of every deposit.
     pub(super) deposits: Vec<(f64, DVec3)>,
-    /// The particles that took part of a deposit, with the entry's index.
-    pub(super) recipients: Vec<(u32, usize)>,
+    /// The particles that take part of a deposit.
+    pub(super) recipients: Vec<Recipient>,
+}
+
+/// A particle that takes part of a deposit.
+pub(super) struct Recipient {
+    pub(super) particle: u32,
+    /// Index of the deposit's entry.
+    pub(super) entry: usize,
+    /// By how much its state rises.
+    rise: f64,
+}
+
+impl Initial {
+    /// The state of every particle: what belongs to its value, and then the deposits; `held` ones take none.
+    pub(super) fn state(
+        &self,
+        particles: &Particles,
+        materials: &[Material],
+        held: &[u32],
+    ) -> Vec<f64> {
+        let of_particle = |(&value, &material): (&f64, &u16)| {
+            let curve = &materials[usize::from(material)].curve;
+            curve.as_ref().map_or(value, |curve| curve.enthalpy(value))
+        };
+        let mut state: Vec<f64> =
+            self.value.par_iter().zip(&particles.material).map(of_particle).collect();
+        let takes = |recipient: &&Recipient| held.binary_search(&recipient.particle).is_err();
+        for recipient in self.recipients.iter().filter(takes) {
+            state[recipient.particle as usize] += recipient.rise;
+        }
+        state
+    }
 }
 
 /// What the initial values are made from.
@@ -33,7 +64,7 @@ pub(super) struct Ground<'a> {
     pub(super) materials: &'a [Material],
 }
 
-/// Values first, later entries over earlier ones; then every amount is added on top.
+/// Values, later entries over earlier ones, and the amounts that are added on top of all.
 pub(super) fn resolve(entries: &[InitialSpec], ground: &Ground) -> Result<Initial, CaseError> {
     let mut initial = Initial {
         value: vec![0.0; ground.particles.len()],
@@ -119,8 +150,8 @@ impl Ground<'_> {
         };
         let capacity: f64 = nearest.iter().map(capacity).sum();
         for particle in nearest {
-            initial.value[particle as usize] += amount / capacity;
-            initial.recipients.push((particle, index));
+            let rise = amount / capacity;
+            initial.recipients.push(Recipient { particle, entry: index, rise });
         }
         initial.deposits.push((amount, at));
         Ok(())

@@ -20,6 +20,7 @@ mod schema;
 mod shape;
 mod shipped;
 mod source;
+mod thermal;
 mod unused;
 mod wall;
 
@@ -69,6 +70,10 @@ pub enum OutputField {
     Error,
     /// Summation density (18).
     Density,
+    /// Enthalpy of a unit volume, J/m3: capacity x value where neither changes.
+    Enthalpy,
+    /// How much is liquid, 0 to 1.
+    LiquidFraction,
 }
 
 /// Loads a case: `source` is a file if it has a path separator or ends with `.json`, else the name

@@ -72,6 +72,21 @@ enum Dependence {
     Nothing,
     Position,
     PositionAndTime,
+    Temperature,
+}
+
+impl Dependence {
+    fn is_on_position(self) -> bool {
+        matches!(self, Self::Position | Self::PositionAndTime)
+    }
+}
+
+/// A number that may depend on temperature, K.
+pub(super) enum OfTemperature {
+    /// It does not.
+    Constant(f64),
+    /// What it is at a temperature, which need not be finite.
+    Function(Box<dyn Fn(f64) -> f64>),
 }
 
 /// Turns what is written into numbers, with the names that the case gives a meaning to.
@@ -134,6 +149,24 @@ impl Evaluator {
         self.field_of(path, number, Dependence::PositionAndTime)
     }
 
+    /// A number that may depend on temperature.
+    pub(super) fn of_temperature(
+        &self,
+        path: &str,
+        number: &Number,
+    ) -> Result<OfTemperature, CaseError> {
+        let Value::String(text) = &number.0 else {
+            return Ok(OfTemperature::Constant(self.number(path, number)?));
+        };
+        let expression = self.parse(path, text, Dependence::Temperature)?;
+        Ok(match expression.constant() {
+            Some(_) => OfTemperature::Constant(self.number(path, number)?),
+            None => OfTemperature::Function(Box::new(move |temperature| {
+                expression.eval(DVec3::ZERO, temperature)
+            })),
+        })
+    }
+
     fn field_of(
         &self,
         path: &str,
@@ -181,10 +214,12 @@ impl Evaluator {
         match (name, axis, self.spacing) {
             ("spacing", _, Some(spacing)) => Ok(Meaning::Constant(spacing)),
             ("t", ..) if dependence == Dependence::PositionAndTime => Ok(Meaning::Time),
-            (_, Some(axis), _) if dependence != Dependence::Nothing && axis < self.dimension => {
+            // An expression has one variable that is no coordinate, whatever it is called.
+            ("T", ..) if dependence == Dependence::Temperature => Ok(Meaning::Time),
+            (_, Some(axis), _) if dependence.is_on_position() && axis < self.dimension => {
                 Ok(Meaning::Coordinate(axis))
             }
-            ("t" | "x" | "y" | "z" | "spacing", ..) => {
+            ("T" | "t" | "x" | "y" | "z" | "spacing", ..) => {
                 Err(format!("\"{name}\" has no meaning here"))
             }
             _ => Err(format!("unknown name \"{name}\"")),
@@ -196,11 +231,14 @@ impl Evaluator {
         if self.spacing.is_some() {
             names.push("spacing");
         }
-        if dependence != Dependence::Nothing {
+        if dependence.is_on_position() {
             names.extend(&AXES[..self.dimension]);
         }
         if dependence == Dependence::PositionAndTime {
             names.push("t");
+        }
+        if dependence == Dependence::Temperature {
+            names.push("T");
         }
         format!("{}; functions {}", names.join(" "), function_names())
     }

@@ -20,7 +20,7 @@ pub mod wide;
 
 pub use field::ScalarField;
 pub use kernel::{Kernel, KernelKind};
-pub use material::Material;
+pub use material::{Conductivity, HeatCurve, Material, Melting};
 pub use operator::{Correction, PairMean};
 pub use particles::{Domain, Particles};
 pub use problem::{LinearSources, Probe, Problem, StepChoice, TimePlan};

@@ -1,10 +1,14 @@
 //! The one description of a scene that every backend sees.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::integrator::{MethodChoice, Preconditioner, Tolerance};
 use super::{
-    Correction, Domain, Kernel, Material, PairMean, Particles, ScalarField, Source, Surface, Wall,
+    Correction, Domain, HeatCurve, Kernel, Material, PairMean, Particles, ScalarField, Source,
+    Surface, Wall,
 };
 
 /// A validated scene in SI units and f64: complete, so that no backend reads anything else.
@@ -29,7 +33,8 @@ pub struct Problem {
     pub pair_mean: PairMean,
     /// Plain or moment-corrected operator.
     pub correction: Correction,
-    /// Value of every particle at t = 0; held particles carry their held value.
+    /// State of every particle at t = 0, its value or enthalpy (see [`HeatCurve`]); held particles carry
+    /// their held one.
     pub initial: Vec<f64>,
     /// Indices of the particles whose value is held, strictly ascending.
     pub held: Vec<u32>,
@@ -158,6 +163,60 @@ impl Problem {
             }
         }
         found
+    }
+
+    /// Whether a particle is of a material whose value and potential differ from its state: see [`HeatCurve`].
+    pub fn has_curves(&self) -> bool {
+        let curved = |&m: &u16| self.materials[usize::from(m)].curve.is_some();
+        self.materials.iter().any(|material| material.curve.is_some())
+            && self.particles.material.iter().any(curved)
+    }
+
+    /// The curve of a particle's material, if it has one.
+    pub fn curve(&self, particle: usize) -> Option<&HeatCurve> {
+        self.materials[usize::from(self.particles.material[particle])].curve.as_deref()
+    }
+
+    /// How much of a particle is liquid in a state, 0 to 1; 0 where it does not melt.
+    pub fn liquid_fraction(&self, particle: usize, enthalpy: f64) -> f64 {
+        self.curve(particle).map_or(0.0, |curve| curve.liquid_fraction(enthalpy))
+    }
+
+    /// Whether a particle is of a material that melts.
+    pub fn melts(&self) -> bool {
+        let melts = |m: &&Material| m.curve.as_ref().is_some_and(|curve| curve.melting().is_some());
+        self.materials.iter().any(|material| melts(&material))
+    }
+
+    /// Values (temperatures) of particles in the state `state`.
+    pub fn values<'a>(&self, state: &'a [f64]) -> Cow<'a, [f64]> {
+        self.along_curves(state, HeatCurve::temperature)
+    }
+
+    /// Potentials of particles in the state `state`: what the operator acts on.
+    pub fn potentials<'a>(&self, state: &'a [f64]) -> Cow<'a, [f64]> {
+        self.along_curves(state, HeatCurve::potential)
+    }
+
+    fn along_curves<'a>(
+        &self,
+        state: &'a [f64],
+        of: impl Fn(&HeatCurve, f64) -> f64 + Sync,
+    ) -> Cow<'a, [f64]> {
+        if !self.has_curves() {
+            return Cow::Borrowed(state);
+        }
+        let of_particle = |(particle, &enthalpy): (usize, &f64)| {
+            self.curve(particle).map_or(enthalpy, |curve| of(curve, enthalpy))
+        };
+        Cow::Owned(state.par_iter().enumerate().map(of_particle).collect())
+    }
+
+    /// How much faster than its state a potential can change, at most: what explicit steps have to be
+    /// shorter by. 1 without curves.
+    pub fn largest_slope(&self) -> f64 {
+        let curves = self.materials.iter().filter_map(|material| material.curve.as_deref());
+        curves.map(HeatCurve::largest_slope).fold(1.0, f64::max)
     }
 
     /// The largest diffusivity of any material, m2/s.

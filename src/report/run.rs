@@ -74,6 +74,8 @@ pub struct RunReport {
     pub field: FieldRange,
     /// The conserved total and what became of it.
     pub conserved: Conserved,
+    /// How far the body has melted; `null` where nothing can.
+    pub front: Option<Front>,
     /// The summation density at t = 0, kg/m^dim.
     pub density: Range,
     /// Distance to the exact solution; `null` where the case names none.
@@ -176,6 +178,25 @@ impl Conserved {
         let drift = last - initial - boundary_exchange;
         let relative_drift = if scale == 0.0 { 0.0 } else { drift / scale };
         Self { initial, last, boundary_exchange, relative_drift }
+    }
+}
+
+/// How far a body has melted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Front {
+    /// The liquid volume over the section of the domain across x, m: where the front is that melts a bar
+    /// from one end, or the mean of where it is.
+    #[serde(with = "number")]
+    pub position: f64,
+    /// Volume x liquid fraction of all particles, m^dim.
+    #[serde(with = "number")]
+    pub liquid_volume: f64,
+}
+
+impl Front {
+    /// From the liquid volume (m^dim) and the section across x (m^(dim - 1)).
+    pub fn new(liquid_volume: f64, section: f64) -> Self {
+        Self { position: liquid_volume / section, liquid_volume }
     }
 }
 

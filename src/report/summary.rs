@@ -115,6 +115,12 @@ impl Summary<'_> {
         let (field, density, total) = (&self.0.field, &self.0.density, &self.0.conserved);
         let [min, max, mean] = [field.min, field.max, field.mean].map(value);
         line(f, "field", format!("{min} to {max}, mean {mean}"))?;
+        if let Some(front) = &self.0.front {
+            let unit = ["m", "m2", "m3"][self.0.dimension.clamp(1, 3) - 1];
+            let [position, volume] =
+                [front.position, front.liquid_volume].map(|x| significant(x, DIGITS));
+            line(f, "melted", format!("{volume} {unit}, to a depth of {position} m along x"))?;
+        }
         let [min, max] = [density.min, density.max].map(|x| significant(x, 6));
         let unit = ["kg/m", "kg/m2", "kg/m3"][self.0.dimension.clamp(1, 3) - 1];
         line(f, "density", format!("{min} to {max} {unit}"))?;

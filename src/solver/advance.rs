@@ -257,7 +257,13 @@ impl Run<'_> {
         stepper.take(backend, start + good as f64 * dt, dt, bad - good)?;
         let state = backend.read()?;
         backend.restore()?;
-        observer.last_state(start + good as f64 * dt, backend.read()?.as_ref())?;
+        let time = start + good as f64 * dt;
+        let last = backend.read()?;
+        observer.last_state(time, last.as_ref())?;
+        let step = self.step + good;
+        if let Some(error) = SolverError::of_temperatures(self.problem, last.as_ref(), step, time) {
+            return Err(error.into());
+        }
         let not_finite = state.as_ref().iter().position(|x| !x.is_finite());
         Err(match not_finite {
             None => SolverError::NotRepeatable { step: self.step },

@@ -6,7 +6,8 @@ use super::SolverError;
 /// made of.
 ///
 /// The rate of the state C is dC/dt = A C + s(t), 0 for held particles, where A is the operator and s
-/// what walls and held particles impose. Particle order is the problem's everywhere outside a backend;
+/// what walls and held particles impose. Where the state is an enthalpy, it is A psi(C) + s(t) with the
+/// potential psi (see [`crate::model::HeatCurve`]). Particle order is the problem's everywhere outside a backend;
 /// inside, each keeps its own. `Field` is a type of the backend's own, so that a cross-check cannot be
 /// fed one side twice.
 pub trait Backend {
@@ -56,7 +57,19 @@ pub trait Backend {
     /// `out` = `values`, one a particle in the problem's order, but 0 for held ones.
     fn load(&mut self, values: &[f64], out: &mut Self::Vector) -> Result<(), SolverError>;
 
-    /// `out` = A C + s at `time` (s).
+    /// Whether the operator acts on the state itself: psi(C) = C.
+    fn is_linear(&self) -> bool;
+
+    /// `out` = A (psi(C + x) - psi(C)).
+    fn rate_change(&mut self, x: &Self::Vector, out: &mut Self::Vector) -> Result<(), SolverError>;
+
+    /// `out` = the square root of psi'(C + x); what it is at held particles does not matter.
+    fn slope_root(&mut self, x: &Self::Vector, out: &mut Self::Vector) -> Result<(), SolverError>;
+
+    /// Multiplies each value of `out` by that of `by`; the outside gave nothing to that.
+    fn multiply(&mut self, out: &mut Self::Vector, by: &Self::Vector) -> Result<(), SolverError>;
+
+    /// `out` = A psi(C) + s at `time` (s).
     fn rate_into(&mut self, time: f64, out: &mut Self::Vector) -> Result<(), SolverError>;
 
     /// Whether s changes in time.
@@ -70,7 +83,7 @@ pub trait Backend {
         out: &mut Self::Vector,
     ) -> Result<(), SolverError>;
 
-    /// `out` = `share` x + `scale` A x.
+    /// `out` = `share` x + `scale` A x: of potentials, not of states, where these differ.
     fn apply(
         &mut self,
         x: &Self::Vector,

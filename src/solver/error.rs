@@ -78,6 +78,26 @@ pub enum SolverError {
         /// Its value.
         value: f64,
     },
+    /// A temperature was reached at which a conductivity is not known to be positive.
+    #[error(
+        "at step {step} (t = {time:.6e} s) particle {particle} at {position} reached T = {temperature:.6} K: the          conductivity of \"{material}\" is positive, and taken, from {:.6} to {:.6} K alone; a table of pairs          [T, conductivity] goes on beyond its ends", limits[0], limits[1]
+    )]
+    ConductivityUnknown {
+        /// The step that reached it.
+        step: u64,
+        /// The time then, s.
+        time: f64,
+        /// The first such particle.
+        particle: usize,
+        /// Its position, m.
+        position: DVec3,
+        /// Its temperature, K.
+        temperature: f64,
+        /// The name of its material.
+        material: String,
+        /// Temperatures between which the conductivity is known, K.
+        limits: [f64; 2],
+    },
     /// A value that is not finite came up once, but not when the steps were taken again.
     #[error(
         "a value that is not finite came up after step {step}, but not when the steps were taken \
@@ -156,6 +176,12 @@ pub enum SolverError {
         "what walls or sources impose changes in time: there is no steady state; give another time.method"
     )]
     NeverSteady,
+    /// A steady state of materials whose properties depend on temperature.
+    #[error(
+        "steady does not know materials whose conductivity depends on temperature or that melt: give another \
+         time.method"
+    )]
+    SteadyOfCurves,
     /// Flows from walls and sources that do not cancel, and nothing that takes them up.
     #[error(
         "there is no steady state: {flow:.3e} (value x capacity) a second enter through walls or from sources, \
@@ -225,10 +251,12 @@ impl SolverError {
             | Self::NothingBetter { .. }
             | Self::NotSymmetric { .. }
             | Self::NeverSteady
+            | Self::SteadyOfCurves
             | Self::NoSteadyState { .. }
             | Self::TooTight { .. }
             | Self::LinearTooTight { .. } => true,
             Self::Diverged { .. }
+            | Self::ConductivityUnknown { .. }
             | Self::NotRepeatable { .. }
             | Self::Interrupted { .. }
             | Self::NotConverged { .. }
@@ -244,14 +272,21 @@ impl SolverError {
 
     /// Whether the run got as far as its last good step.
     pub fn leaves_a_state(&self) -> bool {
-        matches!(self, Self::Diverged { .. } | Self::Interrupted { .. } | Self::StepTooSmall { .. })
+        matches!(
+            self,
+            Self::Diverged { .. }
+                | Self::ConductivityUnknown { .. }
+                | Self::Interrupted { .. }
+                | Self::StepTooSmall { .. }
+        )
     }
 
     /// Steps whose result was good when the run stopped.
     pub fn good_steps(&self) -> u64 {
         match self {
             Self::Diverged { step, .. } => step - 1,
-            Self::Interrupted { step, .. }
+            Self::ConductivityUnknown { step, .. }
+            | Self::Interrupted { step, .. }
             | Self::NotRepeatable { step }
             | Self::StepTooSmall { step, .. } => *step,
             _ => 0,
@@ -277,6 +312,28 @@ impl SolverError {
             }
             Fault::Inside { imposed, at } => Self::SurfaceInside { surface: name(imposed), at },
         }
+    }
+
+    /// The first particle of `state` at whose temperature the conductivity is not known to be positive, where
+    /// a run has come to by `step` and `time` (s).
+    pub fn of_temperatures(problem: &Problem, state: &[f64], step: u64, time: f64) -> Option<Self> {
+        let (particle, temperature, limits) = (0..state.len()).find_map(|particle| {
+            let curve = problem.curve(particle)?;
+            let temperature = curve.temperature(state[particle]);
+            let limits = curve.limits();
+            let is_known = limits[0] <= temperature && temperature <= limits[1];
+            (!is_known).then_some((particle, temperature, limits))
+        })?;
+        let material = usize::from(problem.particles.material[particle]);
+        Some(Self::ConductivityUnknown {
+            step,
+            time,
+            particle,
+            position: problem.particles.position[particle],
+            temperature,
+            material: problem.materials[material].name.clone(),
+            limits,
+        })
     }
 
     /// Refuses a scene where two particles coincide under a kernel without a weight for them.

@@ -87,7 +87,7 @@ impl StepLimits {
 /// the limit.
 ///
 /// # Errors
-/// [`SolverError::UnstableStep`]; [`SolverError::NotSymmetric`]; [`SolverError::NeverSteady`].
+/// [`SolverError::UnstableStep`]; [`SolverError::NotSymmetric`]; [`SolverError::NeverSteady`]; [`SolverError::SteadyOfCurves`].
 pub fn choose_step(
     problem: &Problem,
     path: Path,
@@ -95,15 +95,21 @@ pub fn choose_step(
     allow_unstable: bool,
     measure: impl FnOnce() -> LargestEigenvalue,
 ) -> Result<Step, SolverError> {
-    let safe = safe_step(survey.rate_bound);
+    // Potentials may change faster than the state: what the matrix allows is for them.
+    let slope = problem.largest_slope();
+    let rate_bound = slope * survey.rate_bound;
+    let safe = safe_step(rate_bound);
     let limits = StepLimits { report: ReportBounds::of(problem), safe, measured: None };
     let ChosenMethod { method, why } =
-        ChosenMethod::of(problem, path, 2.0 * survey.rate_bound, survey.symmetric);
+        ChosenMethod::of(problem, path, 2.0 * rate_bound, survey.symmetric);
     if method.is_implicit() && !survey.symmetric {
         return Err(SolverError::NotSymmetric { method: method.name() });
     }
     if method == Method::Steady && FoldNeeds::of(problem) == FoldNeeds::Changing {
         return Err(SolverError::NeverSteady);
+    }
+    if method == Method::Steady && problem.has_curves() {
+        return Err(SolverError::SteadyOfCurves);
     }
     let (dt, tolerance) = match problem.time.step {
         StepChoice::Given(step) => (step, None),
@@ -132,7 +138,7 @@ pub fn choose_step(
         let found = measure();
         step.applications = found.applications;
         // Where everything grows, no step is too long for what decays.
-        let limit = if found.bound > 0.0 { 2.0 / found.bound } else { f64::INFINITY };
+        let limit = if found.bound > 0.0 { 2.0 / (slope * found.bound) } else { f64::INFINITY };
         *step.limits.measured.insert(limit)
     } else {
         safe

@@ -74,15 +74,21 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
+    /// The values of the last state: temperatures, where that is an enthalpy.
+    pub(super) fn values(&self) -> Cow<'_, [f64]> {
+        self.scene.problem.values(&self.state)
+    }
+
     /// What the probes read in the last state.
     pub(super) fn probes(&self) -> Vec<ProbeReport> {
+        let values = self.values();
         let probes = self.scene.problem.probes.iter().zip(&self.interpolations);
         probes
             .map(|(probe, interpolation)| ProbeReport {
                 name: probe.name.clone(),
                 at: probe.at.to_array()[..self.scene.problem.dimension].to_vec(),
                 time: self.time,
-                value: interpolation.of(&self.state, self.time),
+                value: interpolation.of(&values, self.time),
                 exact: self.exact_at(probe.at),
             })
             .collect()
@@ -109,16 +115,29 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         let wants = |field| self.scene.fields.contains(&field);
+        let problem = &self.scene.problem;
+        let values = problem.values(&self.state);
+        let of_curves = |field, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            if wants(field) { (0..values.len()).map(of).collect() } else { Vec::new() }
+        };
+        let enthalpy = of_curves(OutputField::Enthalpy, &|particle| {
+            problem.unit_capacity(particle) * self.state[particle]
+        });
+        let liquid = of_curves(OutputField::LiquidFraction, &|particle| {
+            problem.liquid_fraction(particle, self.state[particle])
+        });
         let compares = wants(OutputField::Exact) || wants(OutputField::Error);
         let exact = if compares { self.exact().unwrap_or_default() } else { Vec::new() };
         let error: Vec<f64> = if wants(OutputField::Error) {
-            self.state.iter().zip(&exact).map(|(value, exact)| value - exact).collect()
+            values.iter().zip(&exact).map(|(value, exact)| value - exact).collect()
         } else {
             Vec::new()
         };
         let fields: Vec<(&str, &[f64])> = (self.scene.fields.iter())
             .map(|field| match field {
-                OutputField::Value => ("value", &self.state[..]),
+                OutputField::Value => ("value", &values[..]),
+                OutputField::Enthalpy => ("enthalpy", &enthalpy[..]),
+                OutputField::LiquidFraction => ("liquid_fraction", &liquid[..]),
                 OutputField::Exact => ("exact", &exact[..]),
                 OutputField::Error => ("error", &error[..]),
                 OutputField::Density => ("density", &self.density[..]),

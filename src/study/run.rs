@@ -16,7 +16,7 @@ use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wa
 use crate::model::operator::{FoldNeeds, SomeRows, SourceRows, floating_bodies};
 use crate::report::format::simulated_time;
 use crate::report::run::{
-    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
+    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, Front, LeftOut, REPORT_VERSION, Range,
     RunReport, WallTimes,
 };
 use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
@@ -66,7 +66,7 @@ impl<'a> RunOptions<'a> {
 pub struct Outcome {
     /// The report, up to the last good state.
     pub report: RunReport,
-    /// The last good state, in the problem's order.
+    /// The last good state, in the problem's order: an enthalpy where values are not the state.
     pub state: Vec<f64>,
     /// Why the run stopped before its end, if it did.
     pub stopped: Option<SolverError>,
@@ -396,6 +396,7 @@ fn report(
     let particles = problem.particles.len() as u64;
     let magnitude: Vec<f64> = problem.initial.iter().map(|value| value.abs()).collect();
     let solve = measured.solving.as_secs_f64();
+    let values = recorder.values();
     let capacity = problem.capacities();
     let [initial, last] = [&problem.initial, &*recorder.state].map(|state| total(state, &capacity));
     // No time passes on the way to a steady state: what came in where something holds a value is what the
@@ -437,11 +438,12 @@ fn report(
         wall_s: WallTimes { setup: measured.ready.as_secs_f64(), solve, output: 0.0 },
         updates_per_s: (particles * measured.applications) as f64 / solve.max(f64::MIN_POSITIVE),
         memory_bytes: measured.memory_bytes,
-        field: FieldRange::of(&recorder.state),
+        field: FieldRange::of(&values),
         conserved: Conserved::new(initial, last, exchange, total(&magnitude, &capacity)),
+        front: front(problem, &recorder.state),
         density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
-            ErrorReport::new(solution.name(), Norms::new(&recorder.state, exact, volume))
+            ErrorReport::new(solution.name(), Norms::new(&values, exact, volume))
         }),
         probes: recorder.probes(),
         left_out: plan
@@ -457,6 +459,16 @@ fn report(
     }
 }
 
+/// How far a scene has melted; `None` where nothing can.
+fn front(problem: &Problem, state: &[f64]) -> Option<Front> {
+    let volume = &problem.particles.volume;
+    let liquid =
+        |particle: usize| volume[particle] * problem.liquid_fraction(particle, state[particle]);
+    let melted: Vec<f64> = (0..state.len()).map(liquid).collect();
+    let section: f64 = problem.domain.extent().to_array()[1..problem.dimension].iter().product();
+    problem.melts().then(|| Front::new(total(&melted, &vec![1.0; melted.len()]), section))
+}
+
 /// Whether no body of a scene has its value held anywhere.
 fn is_floating(problem: &Problem) -> bool {
     let floating: usize = floating_bodies(problem).iter().map(Vec::len).sum();
@@ -469,7 +481,7 @@ fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Opt
     let position = &problem.particles.position;
     let middle = 0.5 * (problem.domain.min + problem.domain.max);
     let through = problem.probes.first().map_or(middle, |probe| probe.at);
-    let row = Profile::along_x(position, &recorder.state, exact, through, problem.spacing)?;
+    let row = Profile::along_x(position, &recorder.values(), exact, through, problem.spacing)?;
     let (first, last) = (*row.position.first()?, *row.position.last()?);
     let exact_curve = scene.exact.as_ref().map(|solution| {
         let x = (0..=CURVE_POINTS)

@@ -52,6 +52,7 @@ fn random_scene(kind: KernelKind, dimension: usize) -> (Problem, Vec<f64>) {
             name: i.to_string(),
             conductivity: 1e-3 * 10_f64.powf(3.0 * noise.next()),
             capacity: 10_f64.powf(2.0 * noise.next()),
+            curve: None,
             density: 1000.0,
         })
         .collect();

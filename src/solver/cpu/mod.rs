@@ -1,6 +1,7 @@
 //! The CPU backend: f64, on every core.
 
 mod aggregates;
+mod enthalpy;
 mod lattice;
 mod operator;
 mod rows;
@@ -18,6 +19,7 @@ use crate::model::operator::{SomeRows, SourceRows};
 use crate::model::sum::CompensatedSum;
 
 use aggregates::Aggregates;
+use enthalpy::Enthalpy;
 use lattice::{Lattice, Mixed, Uniform};
 use operator::{Combine, CpuOperator, Now, RATE};
 use rows::StoredRows;
@@ -37,17 +39,28 @@ impl AsRef<[f64]> for CpuField {
     }
 }
 
+/// A copy of the state.
+#[derive(Default)]
+struct Saved {
+    state: Vec<f64>,
+    enthalpy: Vec<f64>,
+    exchange: CompensatedSum,
+}
+
 /// The state and the operator of a scene in memory. Values are in the operator's order: places in cell
 /// order, or sites of a lattice.
 pub struct CpuBackend {
     operator: Box<dyn CpuOperator>,
+    /// What the operator acts on: the state, or its potentials where `enthalpy` is the state.
     state: Vec<f64>,
     next: Vec<f64>,
+    /// The state, only where it is not what the operator acts on.
+    enthalpy: Option<Enthalpy>,
     /// Source of the rows of walls, 1/s x value.
     source: Vec<f64>,
     /// What held particles and walls have given to the others: value x capacity.
     exchange: CompensatedSum,
-    saved: Option<(Vec<f64>, CompensatedSum)>,
+    saved: Option<Saved>,
     capacities: Capacities,
     /// The aggregates of a coarse space, once a solver has one.
     aggregates: Aggregates,
@@ -86,7 +99,8 @@ impl CpuBackend {
     fn with(problem: &Problem, operator: Box<dyn CpuOperator>) -> Self {
         let mut source = Vec::new();
         operator.sources().source_at(0.0, &mut source);
-        let state = operator.by_place(&problem.initial);
+        let state = operator.by_place(&problem.potentials(&problem.initial));
+        let enthalpy = problem.has_curves().then(|| Enthalpy::new(problem, &*operator));
         Self {
             // What is at no particle stays 0.
             next: vec![0.0; state.len()],
@@ -94,6 +108,7 @@ impl CpuBackend {
             operator,
             source,
             state,
+            enthalpy,
             exchange: CompensatedSum::default(),
             saved: None,
             aggregates: Aggregates::default(),
@@ -107,6 +122,11 @@ impl CpuBackend {
         if self.operator.sources().is_changing() {
             self.operator.sources().source_at(time, &mut self.source);
         }
+    }
+
+    /// The state, whatever the operator acts on.
+    fn content(&self) -> &[f64] {
+        self.enthalpy.as_ref().map_or(&self.state, Enthalpy::values)
     }
 
     fn field(&self, values: &[f64]) -> CpuField {
@@ -123,7 +143,11 @@ impl Backend for CpuBackend {
         for step in 0..count {
             self.update_source(time + step as f64 * dt);
             let now = Now::state(&self.state, &self.source);
-            let given = operator::apply(&*self.operator, &now, &mut next, Combine::step(dt));
+            let operator = &*self.operator;
+            let given = match &mut self.enthalpy {
+                None => operator::apply(operator, &now, &mut next, Combine::step(dt)),
+                Some(enthalpy) => operator::step_enthalpy(operator, &now, &mut next, enthalpy, dt),
+            };
             self.exchange.add(dt * given);
             std::mem::swap(&mut self.state, &mut next);
         }
@@ -136,7 +160,7 @@ impl Backend for CpuBackend {
     }
 
     fn read(&mut self) -> Result<CpuField, SolverError> {
-        Ok(self.field(&self.state))
+        Ok(self.field(self.content()))
     }
 
     fn rate(&mut self, time: f64) -> Result<CpuField, SolverError> {
@@ -152,27 +176,35 @@ impl Backend for CpuBackend {
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
-        Ok(self.state.par_chunks(CHUNK).all(|part| part.iter().all(|x| x.is_finite())))
+        Ok(self.content().par_chunks(CHUNK).all(|part| part.iter().all(|x| x.is_finite())))
     }
 
     fn save(&mut self) -> Result<(), SolverError> {
-        let (state, exchange) = self.saved.get_or_insert_default();
-        state.clone_from(&self.state);
-        *exchange = self.exchange;
+        let saved = self.saved.get_or_insert_default();
+        saved.state.clone_from(&self.state);
+        if let Some(enthalpy) = &self.enthalpy {
+            saved.enthalpy.clone_from(&enthalpy.values);
+        }
+        saved.exchange = self.exchange;
         Ok(())
     }
 
     fn restore(&mut self) -> Result<(), SolverError> {
-        if let Some((state, exchange)) = &self.saved {
-            self.state.clone_from(state);
-            self.exchange = *exchange;
+        if let Some(saved) = &self.saved {
+            self.state.clone_from(&saved.state);
+            if let Some(enthalpy) = &mut self.enthalpy {
+                enthalpy.values.clone_from(&saved.enthalpy);
+            }
+            self.exchange = saved.exchange;
         }
         Ok(())
     }
 
     fn memory_bytes(&self) -> u64 {
-        let saved = self.saved.as_ref().map_or(0, |(state, _)| size_of_val(&**state));
-        let values = 2 * size_of_val(&*self.state) + saved + size_of_val(&*self.source);
+        let of_saved = |saved: &Saved| size_of_val(&*saved.state) + size_of_val(&*saved.enthalpy);
+        let saved = self.saved.as_ref().map_or(0, of_saved);
+        let enthalpy = self.enthalpy.as_ref().map_or(0, Enthalpy::memory_bytes);
+        let values = 2 * size_of_val(&*self.state) + saved + enthalpy + size_of_val(&*self.source);
         let vectors = self.vectors.most * size_of_val(&*self.state);
         let solver = vectors + size_of_val(&*self.diagonal);
         let rest = solver + self.capacities.memory_bytes() + self.aggregates.memory_bytes();
@@ -300,10 +332,44 @@ impl Backend for CpuBackend {
     }
 
     fn largest_value(&mut self) -> Result<f64, SolverError> {
-        Ok(largest(&self.state))
+        Ok(largest(self.content()))
+    }
+
+    fn is_linear(&self) -> bool {
+        self.enthalpy.is_none()
+    }
+
+    fn rate_change(&mut self, x: &CpuVector, out: &mut CpuVector) -> Result<(), SolverError> {
+        let Some(enthalpy) = &self.enthalpy else {
+            return self.apply(x, 0.0, 1.0, out);
+        };
+        enthalpy.potential_change(&x.values, &self.state, &mut self.next);
+        let now = Now::change(&self.next);
+        out.given = operator::apply(&*self.operator, &now, &mut out.values, RATE);
+        Ok(())
+    }
+
+    fn slope_root(&mut self, x: &CpuVector, out: &mut CpuVector) -> Result<(), SolverError> {
+        out.given = 0.0;
+        match &self.enthalpy {
+            None => out.values.fill(1.0),
+            Some(enthalpy) => enthalpy.slope_root(&x.values, &mut out.values),
+        }
+        Ok(())
+    }
+
+    fn multiply(&mut self, out: &mut CpuVector, by: &CpuVector) -> Result<(), SolverError> {
+        out.multiply(by);
+        Ok(())
     }
 
     fn add(&mut self, x: &CpuVector) -> Result<(), SolverError> {
+        if let Some(enthalpy) = &mut self.enthalpy {
+            self.state.copy_from_slice(&x.values);
+            enthalpy.advance(&mut self.state, 1.0);
+            self.exchange.add(x.given);
+            return Ok(());
+        }
         let parts = self.state.par_chunks_mut(CHUNK).zip(x.values.par_chunks(CHUNK));
         parts.for_each(|(state, x)| state.iter_mut().zip(x).for_each(|(c, x)| *c += x));
         self.exchange.add(x.given);

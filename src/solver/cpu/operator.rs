@@ -1,5 +1,6 @@
 //! What the CPU backend needs of an operator.
 
+use super::enthalpy::Enthalpy;
 use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
@@ -57,6 +58,20 @@ pub(super) trait CpuOperator: Send + Sync {
     /// what these gave, value x capacity / s.
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
 
+    /// Adds `dt` (s) times the rates to `enthalpy`, and writes the potentials that come of it; returns what
+    /// held particles gave, value x capacity / s.
+    fn step_enthalpy(
+        &self,
+        now: &Now<'_>,
+        out: &mut [f64],
+        enthalpy: &mut Enthalpy,
+        dt: f64,
+    ) -> f64 {
+        let given = self.apply(now, out, RATE);
+        enthalpy.advance(out, dt);
+        given
+    }
+
     /// A_aa, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
 
@@ -72,4 +87,16 @@ pub(super) fn apply(
     combine: Combine,
 ) -> f64 {
     operator.apply(now, out, combine) + operator.sources().inflow(now.values, now.source)
+}
+
+/// As [`CpuOperator::step_enthalpy`]; returns what walls gave as well.
+pub(super) fn step_enthalpy(
+    operator: &dyn CpuOperator,
+    now: &Now<'_>,
+    out: &mut [f64],
+    enthalpy: &mut Enthalpy,
+    dt: f64,
+) -> f64 {
+    let through_walls = operator.sources().inflow(now.values, now.source);
+    operator.step_enthalpy(now, out, enthalpy, dt) + through_walls
 }

@@ -57,6 +57,13 @@ impl CpuVector {
         self.given = if keep == 0.0 { sum } else { keep * self.given + sum };
     }
 
+    /// Multiplies each value by that of `by`; the outside gave nothing to that.
+    pub(super) fn multiply(&mut self, by: &Self) {
+        self.given = 0.0;
+        let parts = self.values.par_chunks_mut(CHUNK).zip(by.values.par_chunks(CHUNK));
+        parts.for_each(|(out, by)| out.iter_mut().zip(by).for_each(|(out, by)| *out *= by));
+    }
+
     /// self = `from` / (`shift` + `scale` x `diagonal`).
     pub(super) fn divide(&mut self, from: &Self, shift: f64, scale: f64, diagonal: &[f64]) {
         self.given = 0.0;

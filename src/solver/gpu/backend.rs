@@ -18,7 +18,7 @@ impl Backend for GpuBackend {
     }
 
     fn read(&mut self) -> Result<GpuField, SolverError> {
-        self.field(self.steps.state(), 1.0)
+        self.field(self.steps.content(), 1.0)
     }
 
     fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
@@ -52,6 +52,10 @@ impl Backend for GpuBackend {
             let twin = |buffer: &Buffer| self.device.storage("saved state", buffer.bytes());
             self.saved = Some(Saved {
                 state: self.steps.state().iter().map(twin).collect::<Result<_, _>>()?,
+                enthalpy: match self.steps.enthalpy() {
+                    Some(enthalpy) => enthalpy.parts.iter().map(twin).collect::<Result<_, _>>()?,
+                    None => Vec::new(),
+                },
                 exchange: self.steps.exchange().map(twin).transpose()?,
                 walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
                 tick: 0,
@@ -72,7 +76,8 @@ impl Backend for GpuBackend {
 
     fn memory_bytes(&self) -> u64 {
         let saved = self.saved.as_ref().map_or(0, |saved| {
-            let buffers = saved.state.iter().chain(&saved.exchange).chain(&saved.walls);
+            let states = saved.state.iter().chain(&saved.enthalpy);
+            let buffers = states.chain(&saved.exchange).chain(&saved.walls);
             buffers.map(Buffer::bytes).sum::<u64>()
         });
         self.operator.bytes() + self.steps.bytes() + saved + self.vector_bytes()
@@ -84,6 +89,22 @@ impl Backend for GpuBackend {
 
     fn load(&mut self, values: &[f64], out: &mut GpuVector) -> Result<(), SolverError> {
         Ok(self.vectors()?.load(values, out)?)
+    }
+
+    fn is_linear(&self) -> bool {
+        self.steps.enthalpy().is_none()
+    }
+
+    fn rate_change(&mut self, x: &GpuVector, out: &mut GpuVector) -> Result<(), SolverError> {
+        Ok(self.vectors()?.rate_change(x, out)?)
+    }
+
+    fn slope_root(&mut self, x: &GpuVector, out: &mut GpuVector) -> Result<(), SolverError> {
+        Ok(self.vectors()?.slope_root(x, out)?)
+    }
+
+    fn multiply(&mut self, out: &mut GpuVector, by: &GpuVector) -> Result<(), SolverError> {
+        Ok(self.vectors()?.multiply(out, by)?)
     }
 
     fn rate_into(&mut self, time: f64, out: &mut GpuVector) -> Result<(), SolverError> {
@@ -182,6 +203,8 @@ impl GpuBackend {
         };
         let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
         let state = self.steps.state().iter().zip(&saved.state);
+        let enthalpy = self.steps.enthalpy().map_or(&[][..], |enthalpy| &enthalpy.parts);
+        let state = state.chain(enthalpy.iter().zip(&saved.enthalpy));
         let mut pairs: Vec<_> = state.map(|(here, there)| direction(here, there)).collect();
         pairs.extend(exchange.map(|(here, there)| direction(here, there)));
         let walls = self.steps.walls().zip(saved.walls.as_ref());

@@ -5,6 +5,7 @@
 //! reading back.
 
 mod backend;
+mod enthalpy;
 pub mod lattice;
 mod list;
 mod operator;
@@ -22,10 +23,10 @@ use std::collections::BTreeSet;
 use super::plan::Needs;
 use super::{Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
-use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::neighbors::CellLayout;
 use crate::model::operator::SourceRows;
+use crate::model::{HeatCurve, Problem};
 
 use lattice::Lattice;
 use list::List;
@@ -97,6 +98,7 @@ pub struct GpuBackend {
 #[derive(Debug)]
 struct Saved {
     state: Vec<Buffer>,
+    enthalpy: Vec<Buffer>,
     exchange: Option<Buffer>,
     walls: Option<Buffer>,
     /// Where the ring of wall sources was.
@@ -160,7 +162,7 @@ impl GpuBackend {
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
         let operator = Operator::List { list, choices };
         Ok(Self {
-            steps: Steps::new(device, &operator, &initial, exchange, slots)?,
+            steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
             device: device.clone(),
             operator,
             order: Some(order),
@@ -212,7 +214,7 @@ impl GpuBackend {
             Some(_) => Cow::Owned(scene.by_site(&problem.initial)),
         };
         Ok(Self {
-            steps: Steps::new(device, &operator, &initial, exchange, slots)?,
+            steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
             device: device.clone(),
             operator,
             order: scene.order.clone(),
@@ -290,6 +292,11 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
         precision: options.precision,
         workgroup_size: options.workgroup_size,
     }
+}
+
+/// The curve that all particles follow, where their state is an enthalpy.
+fn curve_of(problem: &Problem) -> Option<&HeatCurve> {
+    (!problem.particles.is_empty()).then(|| problem.curve(0)).flatten()
 }
 
 /// Row and capacity of each held particle.

@@ -1,9 +1,13 @@
 //! The state on the device, and the passes that change it.
 
+use std::borrow::Cow;
+
+use super::enthalpy::Enthalpy;
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
 use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass};
+use crate::model::HeatCurve;
 use crate::solver::Precision;
 
 /// Dispatches in a submission at most.
@@ -17,6 +21,8 @@ pub(super) struct Steps {
     state: [Vec<Buffer>; 2],
     /// Which of the two holds the present state.
     current: usize,
+    /// The state, only where `state` has its potentials.
+    enthalpy: Option<Enthalpy>,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -32,17 +38,26 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The passes of `operator`, from values `initial` in its order.
+    /// The passes of `operator`, from a state `initial` in its order, which has a `curve` where it is an
+    /// enthalpy.
     pub(super) fn new(
         device: &Device,
         operator: &Operator,
         initial: &[f64],
+        curve: Option<&HeatCurve>,
         exchange: Option<Buffer>,
         walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
         let precision = operator.precision();
         let real = precision.real();
         let parts = operator.parts(initial.len());
+        let of_curve = |curve| {
+            let contents = parts.iter().map(|part| &initial[part.clone()]);
+            Enthalpy::new(device, precision, operator.workgroup_size(), curve, contents)
+        };
+        let enthalpy = curve.map(of_curve).transpose()?;
+        let potentials = curve.map(|curve| initial.iter().map(|&h| curve.potential(h)).collect());
+        let initial = potentials.map_or(Cow::Borrowed(initial), Cow::<[f64]>::Owned);
         let filled = parts.iter().map(|part| {
             device.storage_with("state", &precision.state_to_bytes(&initial[part.clone()]))
         });
@@ -62,7 +77,16 @@ impl Steps {
                 step_size: &step_size,
                 combination: None,
             };
-            operator.passes(device, Makes::Step, &fields)
+            let mut passes = operator.passes(device, Makes::Step, &fields)?;
+            if let Some(enthalpy) = &enthalpy {
+                passes.extend(enthalpy.passes(
+                    device,
+                    &step_size,
+                    &state[from],
+                    &state[1 - from],
+                )?);
+            }
+            Ok::<_, GpuError>(passes)
         };
         let finite = finite(precision, operator.workgroup_size());
         let finite_of = |from: usize| -> Result<Vec<Pass>, GpuError> {
@@ -70,7 +94,9 @@ impl Steps {
                 let values = part.bytes() / precision.state_bytes();
                 device.pass(&finite, &[&step_size, part, &flag], values)
             };
-            state[from].iter().map(of_part).collect()
+            // What a potential is not known of need not be infinite.
+            let content = enthalpy.as_ref().map_or(&state[from], |enthalpy| &enthalpy.parts);
+            content.iter().map(of_part).collect()
         };
         let still = still(precision, operator.workgroup_size());
         let parts = state[0].iter().zip(&state[1]);
@@ -88,6 +114,7 @@ impl Steps {
             step,
             state,
             current: 0,
+            enthalpy,
             exchange,
             walls,
             step_size,
@@ -129,7 +156,17 @@ impl Steps {
         Ok(())
     }
 
-    /// The parts of the present state.
+    /// The parts of the present state, whatever the operator acts on.
+    pub(super) fn content(&self) -> &[Buffer] {
+        self.enthalpy.as_ref().map_or(self.state(), |enthalpy| &enthalpy.parts)
+    }
+
+    /// The state, where it is not what the operator acts on.
+    pub(super) fn enthalpy(&self) -> Option<&Enthalpy> {
+        self.enthalpy.as_ref()
+    }
+
+    /// The parts of what the operator acts on.
     pub(super) fn state(&self) -> &[Buffer] {
         &self.state[self.current]
     }
@@ -198,9 +235,10 @@ impl Steps {
         Ok(!self.raises_flag(device, &self.finite[self.current])?)
     }
 
-    /// Whether the last step changed nothing.
+    /// Whether the last step changed nothing. Of potentials that says nothing: they rest while a particle
+    /// melts.
     pub(super) fn is_still(&self, device: &Device) -> Result<bool, GpuError> {
-        Ok(!self.raises_flag(device, &self.still)?)
+        Ok(self.enthalpy.is_none() && !self.raises_flag(device, &self.still)?)
     }
 
     fn raises_flag(&self, device: &Device, passes: &[Pass]) -> Result<bool, GpuError> {
@@ -213,6 +251,9 @@ impl Steps {
     pub(super) fn bytes(&self) -> u64 {
         let states = self.state.iter().flatten();
         let buffers = states.chain([&self.step_size, &self.flag]).chain(&self.exchange);
-        buffers.map(Buffer::bytes).sum::<u64>() + self.walls.as_ref().map_or(0, WallSlots::bytes)
+        let enthalpy = self.enthalpy.as_ref().map_or(0, Enthalpy::bytes);
+        buffers.map(Buffer::bytes).sum::<u64>()
+            + enthalpy
+            + self.walls.as_ref().map_or(0, WallSlots::bytes)
     }
 }

@@ -40,14 +40,20 @@ impl<B: Backend> Explicit<B> {
         })
     }
 
-    /// `added` = `share` D + `scale` (A D + s(`to`) - s(`from`)) for the change D after the last stage.
+    /// `added` = `share` D + `scale` (A D + s(`to`) - s(`from`)) for the change D after the last stage, with
+    /// the change of the potential for D behind A where the state is an enthalpy.
     fn add(
         &mut self,
         backend: &mut B,
         [share, scale]: [f64; 2],
         [from, to]: [f64; 2],
     ) -> Result<(), SolverError> {
-        backend.apply(&self.changes[0], share, scale, &mut self.added)?;
+        if backend.is_linear() {
+            backend.apply(&self.changes[0], share, scale, &mut self.added)?;
+        } else {
+            backend.rate_change(&self.changes[0], &mut self.added)?;
+            backend.update(&mut self.added, scale, &[(share, &self.changes[0])])?;
+        }
         self.applications += 1;
         if let Some(imposed) = &mut self.imposed {
             backend.source_change(from, to, imposed)?;

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | `euler` | `fixed` | the backend's own fused steps |
 //! | `heun`, `rkl2` | `explicit` | recurrences of [`crate::model::integrator::Recurrence`] |
-//! | `tr_bdf2` | `tr_bdf2` | two linear systems a step, by conjugate gradients (`cg`) |
+//! | `tr_bdf2` | `tr_bdf2` | two linear systems a step, by conjugate gradients (`cg`), or where the state is an
+//! enthalpy two that are not linear (`newton`) |
 //! | `steady` | `steady` | one linear system |
 //!
 //! Steps are equal (`fixed`) or follow a tolerance (`control`).
@@ -14,6 +15,7 @@ mod coarse;
 mod control;
 mod explicit;
 mod fixed;
+mod newton;
 mod spectrum;
 mod steady;
 mod stepper;

@@ -19,7 +19,7 @@ const MARGIN: f64 = 1.01;
 
 /// A bound of the largest eigenvalue of -A (1/s), no more than `safe`, with the applications that it
 /// took: a few steps of a Lanczos iteration (Lanczos 1950), whose residual is added, and a margin of 1 %.
-/// A has to be symmetric.
+/// A has to be symmetric. Where the state is an enthalpy, that of A S with the largest slope S.
 pub fn largest_eigenvalue<B: Backend>(
     backend: &mut B,
     problem: &Problem,
@@ -33,6 +33,7 @@ pub fn largest_eigenvalue<B: Backend>(
         return Ok((safe, 0));
     }
     backend.update(&mut vector, 1.0 / norm, &[])?;
+    let margin = MARGIN * problem.largest_slope();
     let (mut matrix, mut beta) = (Tridiagonal::default(), 0.0);
     for iteration in 1..=MOST_ITERATIONS {
         backend.apply(&vector, 0.0, -1.0, &mut next)?;
@@ -44,7 +45,7 @@ pub fn largest_eigenvalue<B: Backend>(
         let residual = beta * last.abs();
         let is_over = iteration >= LEAST_ITERATIONS && residual <= RESIDUAL * ritz;
         if is_over || residual == 0.0 || iteration == MOST_ITERATIONS {
-            return Ok(((MARGIN * (ritz + residual)).min(safe), iteration as u64));
+            return Ok(((margin * (ritz + residual)).min(safe), iteration as u64));
         }
         backend.update(&mut next, 1.0 / beta, &[])?;
         std::mem::swap(&mut before, &mut vector);

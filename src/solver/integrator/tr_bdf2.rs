@@ -2,6 +2,7 @@
 
 use super::Integrator;
 use super::cg::{Goal, LinearSolve, go_on};
+use super::newton::Newton;
 use crate::model::Problem;
 use crate::model::integrator::{Preconditioner, TrBdf2};
 use crate::solver::{Backend, SolverError};
@@ -25,14 +26,23 @@ enum Accuracy {
     Relative(f64),
 }
 
+/// What stages are solved by.
+enum Solve<B: Backend> {
+    Linear(LinearSolve<B>),
+    /// Where the state is an enthalpy.
+    Newton(Newton<B>),
+}
+
 /// TR-BDF2 with conjugate gradients: both stages are solved for the change of the state.
 pub struct TrBdf2Steps<B: Backend> {
-    solve: LinearSolve<B>,
+    solve: Solve<B>,
     accuracy: Accuracy,
     rate: B::Vector,
     /// The changes of the first stage and of the step.
     changes: [B::Vector; 2],
     residual: B::Vector,
+    /// The right-hand side of a stage, only where the state is an enthalpy.
+    base: Option<B::Vector>,
     /// What changing sources add by the first stage and by the end; only where there are any.
     imposed: Option<[B::Vector; 2]>,
     /// Length of the last proposal, s.
@@ -52,12 +62,17 @@ impl<B: Backend> TrBdf2Steps<B> {
             true => Some([backend.vector()?, backend.vector()?]),
             false => None,
         };
+        let solve = match backend.is_linear() {
+            true => Solve::Linear(LinearSolve::new(backend, problem, preconditioner)?),
+            false => Solve::Newton(Newton::new(backend)?),
+        };
         Ok(Self {
-            solve: LinearSolve::new(backend, problem, preconditioner)?,
+            solve,
             accuracy: Accuracy::Relative(accuracy),
             rate: backend.vector()?,
             changes: [backend.vector()?, backend.vector()?],
             residual: backend.vector()?,
+            base: None,
             imposed,
             dt: 0.0,
             rates: 0,
@@ -72,6 +87,14 @@ impl<B: Backend> TrBdf2Steps<B> {
                 scale => Goal::Largest(part * scale),
             },
         })
+    }
+
+    /// The same for a residual that is asked for in the unit of the field.
+    fn newton_goal(backend: &mut B, goal: Goal) -> Result<f64, SolverError> {
+        match goal {
+            Goal::Largest(most) => Ok(most),
+            Goal::Relative(part) => Ok(part * backend.largest_value()?.max(1.0)),
+        }
     }
 
     fn matrix(&self) -> [f64; 2] {
@@ -93,6 +116,14 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         let Self { solve, rate, changes: [first, second], residual, imposed, .. } = self;
         let imposed = imposed.as_ref();
         backend.update(first, 0.0, &[])?;
+        let solve = match solve {
+            Solve::Linear(solve) => solve,
+            Solve::Newton(newton) => {
+                let most = Self::newton_goal(backend, goal)?;
+                let stages = Stages { rate, first, second, residual, imposed };
+                return stages.solve(backend, newton, &mut self.base, dt, most);
+            }
+        };
         let mut terms = vec![(2.0 * D * dt, &*rate)];
         terms.extend(imposed.map(|[first, _]| (D * dt, first)));
         backend.update(residual, 0.0, &terms)?;
@@ -120,9 +151,17 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
         let terms = [(of_rate * *dt, &*rate), (of_first, &*first), (of_second, &*second)];
         backend.update(residual, 0.0, &terms)?;
         backend.update(first, 0.0, &[])?;
-        let goal = Goal::Largest(ESTIMATE * negligible);
-        solve.solve(backend, matrix, first, residual, goal, &mut go_on)?;
-        backend.largest(first)
+        let most = ESTIMATE * negligible;
+        match solve {
+            Solve::Linear(solve) => {
+                solve.solve(backend, matrix, first, residual, Goal::Largest(most), &mut go_on)?;
+                backend.largest(first)
+            }
+            Solve::Newton(newton) => {
+                newton.correct(backend, TrBdf2::D * *dt, second, residual, most)?;
+                backend.largest(residual)
+            }
+        }
     }
 
     fn accept(&mut self, backend: &mut B) -> Result<(), SolverError> {
@@ -134,6 +173,58 @@ impl<B: Backend> Integrator<B> for TrBdf2Steps<B> {
     }
 
     fn applications(&self) -> u64 {
-        self.rates + self.solve.applications()
+        let of_solve = match &self.solve {
+            Solve::Linear(solve) => solve.applications(),
+            Solve::Newton(newton) => newton.applications(),
+        };
+        self.rates + of_solve
+    }
+}
+
+/// What the stages of a step read and write where the state is an enthalpy.
+struct Stages<'a, B: Backend> {
+    rate: &'a B::Vector,
+    first: &'a mut B::Vector,
+    second: &'a mut B::Vector,
+    residual: &'a mut B::Vector,
+    imposed: Option<&'a [B::Vector; 2]>,
+}
+
+impl<B: Backend> Stages<'_, B> {
+    /// With R(x) = A (psi(C + x) - psi(C)) and the rate f at the start, the changes x of the first stage and
+    /// y of the step are x = d dt (2 f + R(x)) and y = dt f + w dt R(x) + d dt R(y), and what sources change
+    /// is added to each R.
+    fn solve(
+        self,
+        backend: &mut B,
+        newton: &mut Newton<B>,
+        base: &mut Option<B::Vector>,
+        dt: f64,
+        most: f64,
+    ) -> Result<(), SolverError> {
+        const D: f64 = TrBdf2::D;
+        let Self { rate, first, second, residual, imposed } = self;
+        let base = match base {
+            Some(base) => base,
+            none => none.insert(backend.vector()?),
+        };
+        let mut terms = vec![(2.0 * D * dt, rate)];
+        terms.extend(imposed.map(|[first, _]| (D * dt, first)));
+        backend.update(base, 0.0, &terms)?;
+        newton.solve(backend, D * dt, base, first, residual, most)?;
+        backend.rate_change(first, residual)?;
+        newton.applications += 1;
+        let mut terms = vec![(dt, rate), (TrBdf2::W * dt, &*residual)];
+        terms.extend(
+            imposed
+                .into_iter()
+                .flat_map(|[first, second]| [(TrBdf2::W * dt, first), (D * dt, second)]),
+        );
+        backend.update(base, 0.0, &terms)?;
+        // The change of the first stage goes on over the whole step: a first guess.
+        backend.update(second, 0.0, &[(1.0 / TrBdf2::GAMMA, first)])?;
+        backend.update_given(second, 0.0, &[])?;
+        newton.solve(backend, D * dt, base, second, residual, most)?;
+        backend.update_given(second, 0.0, &[(1.0, residual)])
     }
 }

@@ -129,6 +129,13 @@ impl LatticeOperator for Mixed {
         self.rest(now, &(first..end), out, combine)
     }
 
+    fn clear_absent(&self, first: usize, out: &mut [f64]) {
+        let end = first + out.len();
+        for range in self.absent_from(first).take_while(|range| range.start < end) {
+            out[range.start.max(first) - first..range.end.min(end) - first].fill(0.0);
+        }
+    }
+
     fn diagonal(&self) -> Vec<f64> {
         let mut diagonal = vec![-1.0; self.scene.lattice.counts.iter().product()];
         let of_place = self.scene.lattice.diagonals();

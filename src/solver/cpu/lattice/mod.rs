@@ -6,7 +6,8 @@ mod uniform;
 
 use rayon::prelude::*;
 
-use super::operator::{Combine, CpuOperator, Now};
+use super::enthalpy::Enthalpy;
+use super::operator::{Combine, CpuOperator, Now, RATE};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -39,6 +40,9 @@ pub(super) trait LatticeOperator: Send + Sync {
         out: &mut [f64],
         combine: Combine,
     ) -> f64;
+
+    /// Writes 0 where there is no particle, from site `first` on.
+    fn clear_absent(&self, _first: usize, _out: &mut [f64]) {}
 
     /// A_aa by site, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
@@ -86,6 +90,35 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
             out.chunks_mut(task).enumerate().map(|part| advance(&mut scratch, part)).collect()
         } else {
             out.par_chunks_mut(task).enumerate().map_init(scratch, advance).collect()
+        };
+        given.iter().sum()
+    }
+
+    /// Each part while it is in the cache: enthalpy costs little more than reading and writing it.
+    fn step_enthalpy(
+        &self,
+        now: &Now<'_>,
+        out: &mut [f64],
+        enthalpy: &mut Enthalpy,
+        dt: f64,
+    ) -> f64 {
+        let task = self.task();
+        let (curves, values) = enthalpy.parts();
+        let scratch = || Scratch::new(self.0.scene());
+        let advance =
+            |scratch: &mut Scratch, (k, (out, values)): (usize, (&mut [f64], &mut [f64]))| {
+                let given = self.0.advance(scratch, now, k * task, out, RATE);
+                self.0.clear_absent(k * task, out);
+                curves.advance(k * task, values, out, dt);
+                given
+            };
+        let given: Vec<f64> = if out.len() < SERIAL {
+            let mut scratch = scratch();
+            let parts = out.chunks_mut(task).zip(values.chunks_mut(task)).enumerate();
+            parts.map(|part| advance(&mut scratch, part)).collect()
+        } else {
+            let parts = out.par_chunks_mut(task).zip(values.par_chunks_mut(task)).enumerate();
+            parts.map_init(scratch, advance).collect()
         };
         given.iter().sum()
     }

@@ -217,7 +217,7 @@ pub(super) fn held_contents(
     held: &[u32],
     reference_step: f64,
 ) -> Vec<f64> {
-    let among_held = scene.rates_among_held(held, &problem.initial);
+    let among_held = scene.rates_among_held(held, &problem.potentials(&problem.initial));
     among_held.iter().flat_map(|rate| [0.0, 0.0, reference_step * rate, 0.0]).collect()
 }
 

@@ -151,7 +151,15 @@ impl Operations<'_> {
             let slots = (0..self.scene.entries().1 as u32).map(|slot| 4 * slot + 2);
             let walls = steps.walls().map(|walls| &walls.wall);
             let walls = give(walls, self.held.len() as u32, slots.collect());
-            sums.chain(held).chain(walls).collect()
+            let mut passes: Vec<Pass> = sums.collect::<Result<_, _>>()?;
+            if let Some(enthalpy) = steps.enthalpy() {
+                let (before, after) = (steps.state(), steps.next());
+                passes.extend(enthalpy.passes(self.device, steps.step_size(), before, after)?);
+            }
+            for given in held.into_iter().chain(walls) {
+                passes.push(given?);
+            }
+            Ok(passes)
         })?;
         self.steps.turn();
         Ok(())

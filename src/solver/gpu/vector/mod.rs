@@ -8,6 +8,7 @@
 
 mod aggregates;
 mod arithmetic;
+mod curves;
 mod operations;
 mod passes;
 mod queue;
@@ -108,6 +109,8 @@ pub(super) struct Tools {
     sums: Vec<Buffer>,
     /// Capacities over the reference capacity, where they differ.
     capacity: Option<Buffer>,
+    /// Changes of potentials, once asked for.
+    potential: Option<GpuVector>,
     /// The factor of each value in its rate a reference step, once asked for.
     diagonal: Vec<Buffer>,
     /// The aggregates of a coarse space, once a solver has one.
@@ -153,6 +156,7 @@ impl Tools {
             source: device.storage("changes of sources", reals(entries.1))?,
             sums: steps.state().iter().map(sums).collect::<Result<_, _>>()?,
             capacity: None,
+            potential: None,
             diagonal: Vec::new(),
             aggregates: None,
             vectors: Vec::new(),

@@ -48,7 +48,7 @@ pub fn vector_passes(precision: Precision) -> Vec<PassSource> {
     let updates = (0..=MOST_TERMS).map(|terms| update(precision, terms));
     let dots = [false, true].map(|volumes| dot(precision, volumes));
     let restricts = [false, true].map(|volumes| restrict(precision, volumes));
-    let others = [divide, largest, scatter, give, prolong].map(|pass| pass(precision));
+    let others = [divide, multiply, largest, scatter, give, prolong].map(|pass| pass(precision));
     updates.chain(dots).chain(restricts).chain(others).collect()
 }
 
@@ -77,6 +77,12 @@ pub(super) fn divide(precision: Precision) -> PassSource {
         write("after", value(precision)),
     ];
     source("vector_divide", precision, bindings)
+}
+
+/// A vector times another, value by value.
+pub(super) fn multiply(precision: Precision) -> PassSource {
+    let bindings = vec![read("by", value(precision)), write("after", value(precision))];
+    source("vector_multiply", precision, bindings)
 }
 
 /// The slot for capacities, with their binding where particles differ.

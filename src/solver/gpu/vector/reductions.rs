@@ -43,7 +43,7 @@ impl Operations<'_> {
     /// The same of the state.
     pub(in crate::solver::gpu) fn largest_value(&mut self) -> Result<f64, GpuError> {
         let key = (Operation::LargestValue(self.steps.current()), Vec::new());
-        let state = self.steps.state().to_vec();
+        let state = self.steps.content().to_vec();
         self.largest_of(key, &state)
     }
 
