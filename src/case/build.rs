@@ -82,6 +82,7 @@ fn problem(
         spacing,
         materials: &materials,
         walls: &walls,
+        sources: &case.sources,
         deposits: &initial.deposits,
     };
     let exact = solution(case, &setting, &particles.position, time.end)?;

@@ -1,6 +1,9 @@
 //! The `exact` section: an analytic solution whose parameters default to what the scene says.
 
 mod bodies;
+mod heating;
+mod layers;
+mod melting;
 mod setting;
 
 use schemars::JsonSchema;
@@ -14,6 +17,9 @@ use bodies::{
     AnnulusSpec, ContactSpec, HalfSpaceSpec, OscillatingSlabSpec, QuenchedBoxSpec, SlabSpec,
     SphereSpec,
 };
+use heating::{ContinuousPointSourceSpec, HeatedSlabSpec};
+use layers::LayersSpec;
+use melting::{NeumannSpec, StefanSpec};
 pub(super) use setting::Setting;
 
 /// An analytic solution by name. What the scene determines may be left out: the diffusivity of the
@@ -85,6 +91,16 @@ pub(super) enum ExactSpec {
     Contact(ContactSpec),
     /// A slab whose left face swings, from a uniform initial value.
     OscillatingSlab(OscillatingSlabSpec),
+    /// A source of constant power at a point of free space, into a uniform initial value.
+    ContinuousPointSource(ContinuousPointSourceSpec),
+    /// A slab with a uniform source between two held plane faces, from a uniform initial value.
+    HeatedSlab(HeatedSlabSpec),
+    /// The steady state of layers between two held plane faces.
+    Layers(LayersSpec),
+    /// A half space that melts or freezes from its held surface on, from a uniform temperature.
+    Neumann(NeumannSpec),
+    /// A half space that melts or freezes from its held surface on, from the melting temperature.
+    Stefan(StefanSpec),
     /// An expression of x y z t.
     Expression { value: Number },
 }
@@ -126,6 +142,13 @@ pub(super) fn resolve(
         ExactSpec::QuenchedBox(spec) => Solution::QuenchedBox(spec.resolve(setting)?),
         ExactSpec::Contact(spec) => Solution::Contact(spec.resolve(setting)?),
         ExactSpec::OscillatingSlab(spec) => Solution::OscillatingSlab(spec.resolve(setting)?),
+        ExactSpec::ContinuousPointSource(spec) => {
+            Solution::ContinuousPointSource(spec.resolve(setting)?)
+        }
+        ExactSpec::HeatedSlab(spec) => Solution::HeatedSlab(spec.resolve(setting)?),
+        ExactSpec::Layers(spec) => Solution::Layers(spec.resolve(setting)?),
+        ExactSpec::Neumann(spec) => Solution::Neumann(spec.resolve(setting)?),
+        ExactSpec::Stefan(spec) => Solution::Neumann(spec.resolve(setting)?),
         ExactSpec::Expression { value } => {
             let field = setting.evaluator.field_in_time("exact.value", value)?;
             return Ok((Solution::Expression(field.scalar.clone()), Some(field)));

@@ -2,12 +2,13 @@
 
 mod spread;
 
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::boundary::select;
 use super::error::CaseError;
-use super::number::{Field, Number, Point, in_range};
+use super::number::{Evaluator, Field, Number, Point, in_range};
 use super::shape::ShapeSpec;
 use super::wall::Body;
 use crate::model::{ScalarField, Source};
@@ -92,6 +93,25 @@ pub(super) fn resolve(
 }
 
 impl SourceSpec {
+    /// The power, if it is constant and enters at a point.
+    pub(super) fn constant_power(&self, evaluator: &Evaluator) -> Option<f64> {
+        self.at.as_ref()?;
+        evaluator.field_in_time("power", self.power.as_ref()?).ok()?.constant
+    }
+
+    /// The point where a power enters.
+    pub(super) fn point(&self, evaluator: &Evaluator) -> Option<DVec3> {
+        evaluator.point("at", self.at.as_ref()?).ok()
+    }
+
+    /// The rate, if it is constant and all that enters, everywhere.
+    pub(super) fn constant_rate(&self, evaluator: &Evaluator) -> Option<f64> {
+        if self.linear.is_some() || self.selection.is_some() {
+            return None;
+        }
+        evaluator.field_in_time("rate", self.rate.as_ref()?).ok()?.constant
+    }
+
     /// Refuses keys of one form beside those of another.
     fn check_form(&self, path: &str) -> Result<(), CaseError> {
         let Self { rate, linear, selection, power, at, path: way, speed, start } = self;

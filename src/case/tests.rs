@@ -1,6 +1,7 @@
 //! Tests of whole cases.
 
 mod bad;
+mod exact;
 mod expression;
 mod good;
 mod limits;

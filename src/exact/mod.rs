@@ -1,9 +1,14 @@
-//! Analytic solutions of dC/dt = D laplacian C, one file a family.
+//! Analytic solutions of dC/dt = D laplacian C, also with a source or a phase change, one file a family.
 
 mod annulus;
 mod contact;
+mod continuous_point_source;
+mod exponential_integral;
 mod half_space;
+mod heated_slab;
+mod layers;
 mod modes;
+mod neumann;
 mod oscillating_slab;
 mod point_source;
 mod quenched_box;
@@ -19,7 +24,11 @@ use crate::model::ScalarField;
 
 pub use annulus::{Annulus, AnnulusSetup};
 pub use contact::{Contact, HalfBody};
+pub use continuous_point_source::ContinuousPointSource;
 pub use half_space::HalfSpace;
+pub use heated_slab::{HeatedSlab, HeatedSlabSetup};
+pub use layers::{Layer, Layers, LayersSetup};
+pub use neumann::{Neumann, NeumannSetup, Phase};
 pub use oscillating_slab::{OscillatingSlab, OscillatingSlabSetup};
 pub use point_source::PointSource;
 pub use quenched_box::QuenchedBox;
@@ -63,6 +72,14 @@ pub enum Solution {
     Contact(Contact),
     /// A slab one face of which swings about a mean.
     OscillatingSlab(OscillatingSlab),
+    /// A point source that goes on, in free space.
+    ContinuousPointSource(ContinuousPointSource),
+    /// A slab with a uniform source, between held faces.
+    HeatedSlab(HeatedSlab),
+    /// The steady state of layers between held faces.
+    Layers(Layers),
+    /// A half space that melts or freezes from its surface.
+    Neumann(Neumann),
     /// An expression of the case file.
     Expression(ScalarField),
 }
@@ -83,13 +100,22 @@ impl Solution {
             Self::QuenchedBox(_) => "quenched_box",
             Self::Contact(_) => "contact",
             Self::OscillatingSlab(_) => "oscillating_slab",
+            Self::ContinuousPointSource(_) => "continuous_point_source",
+            Self::HeatedSlab(_) => "heated_slab",
+            Self::Layers(_) => "layers",
+            Self::Neumann(solution) if solution.is_one_phase() => "stefan",
+            Self::Neumann(_) => "neumann",
             Self::Expression(_) => "expression",
         }
     }
 
     /// Whether it may be that of a scene with sources.
     pub fn allows_sources(&self) -> bool {
-        matches!(self, Self::Uniform { .. } | Self::Affine { .. } | Self::Expression(_))
+        match self {
+            Self::Uniform { .. } | Self::Affine { .. } | Self::Expression(_) => true,
+            Self::ContinuousPointSource(_) | Self::HeatedSlab(_) => true,
+            _ => false,
+        }
     }
 
     /// The value at position `x` (m) and time `t` (s).
@@ -107,6 +133,10 @@ impl Solution {
             Self::QuenchedBox(solution) => solution.at(x, t),
             Self::Contact(solution) => solution.at(x, t),
             Self::OscillatingSlab(solution) => solution.at(x, t),
+            Self::ContinuousPointSource(solution) => solution.at(x, t),
+            Self::HeatedSlab(solution) => solution.at(x, t),
+            Self::Layers(solution) => solution.at(x),
+            Self::Neumann(solution) => solution.at(x, t),
             Self::Expression(field) => field.at(x, t),
         }
     }

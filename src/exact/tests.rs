@@ -1,7 +1,11 @@
 //! Each solution against its equation, its boundary conditions, its integral and known values.
 
 mod annulus;
+mod continuous_point_source;
 mod half_space;
+mod heated_slab;
+mod layers;
+mod neumann;
 mod oscillating_slab;
 mod slab;
 mod sphere;

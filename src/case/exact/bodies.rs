@@ -261,7 +261,7 @@ impl OscillatingSlabSpec {
 }
 
 /// Coordinates of the faces of a slab, the domain's where absent.
-fn extent(
+pub(super) fn extent(
     setting: &Setting<'_>,
     axis: usize,
     from: &Option<Number>,
@@ -271,6 +271,22 @@ fn extent(
     let to = setting.number_or("to", to, setting.domain.max[axis])?;
     in_range("exact.to", to, to > from, "above exact.from")?;
     Ok((from, to))
+}
+
+/// What a face is held at as written; as the scene's wall on `face` does where absent.
+pub(super) fn held_value(
+    setting: &Setting<'_>,
+    key: &str,
+    written: &Option<Number>,
+    face: Face,
+) -> Result<f64, CaseError> {
+    if let Some(value) = written {
+        return setting.given(key, value);
+    }
+    match side_of_wall(setting, key, face)? {
+        Side::Value(value) => Ok(value),
+        _ => Err(undetermined(key, format!("the wall on {} holds no value", face.name()))),
+    }
 }
 
 /// What a face does as written; as the scene's wall on `face` does where absent.

@@ -6,6 +6,7 @@ use crate::case::boundary::axis_index;
 use crate::case::error::CaseError;
 use crate::case::number::{Evaluator, Number, Point, in_range};
 use crate::case::schema::Axis;
+use crate::case::source::SourceSpec;
 use crate::exact::ZeroFluxBox;
 use crate::model::{Domain, Material, Wall};
 
@@ -16,6 +17,7 @@ pub(in crate::case) struct Setting<'a> {
     pub(in crate::case) spacing: f64,
     pub(in crate::case) materials: &'a [Material],
     pub(in crate::case) walls: &'a [Wall],
+    pub(in crate::case) sources: &'a [SourceSpec],
     /// Amount and place of every deposit.
     pub(in crate::case) deposits: &'a [(f64, DVec3)],
 }
@@ -99,6 +101,20 @@ impl Setting<'_> {
             (None, None) => return Err(unknown("at")),
         };
         Ok((amount / self.capacity()?, at))
+    }
+
+    /// What `part` takes from the only source, which is to be `wanted`.
+    pub(super) fn only_source<T>(
+        &self,
+        key: &str,
+        wanted: &str,
+        part: impl Fn(&SourceSpec, &Evaluator) -> Option<T>,
+    ) -> Result<T, CaseError> {
+        let [only] = self.sources else {
+            return Err(undetermined(key, format!("the case has {} sources", self.sources.len())));
+        };
+        part(only, self.evaluator)
+            .ok_or_else(|| undetermined(key, format!("the source is not {wanted}")))
     }
 
     pub(super) fn walls(

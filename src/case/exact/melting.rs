@@ -1,0 +1,174 @@
+//! Solutions with a phase change: specs, and what they refuse.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::bodies::held_value;
+use super::setting::Setting;
+use crate::case::error::CaseError;
+use crate::case::number::{Number, in_range};
+use crate::case::schema::Axis;
+use crate::exact::{Neumann, NeumannSetup, Phase};
+use crate::model::Face;
+
+/// A half space that melts or freezes from its held surface on, from a uniform temperature.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(in crate::case) struct NeumannSpec {
+    axis: Axis,
+    /// Coordinate of the surface, m; that of the domain's face where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    at: Option<Number>,
+    #[serde(default)]
+    body: BodySpec,
+    /// Temperature at t = 0, K: the melting temperature, or across it from the wall's.
+    initial: Number,
+    /// Held temperature of the surface, K; that of the wall on the domain's face where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    wall: Option<Number>,
+    /// K
+    melting_temperature: Number,
+    /// Of a unit volume, J/m3.
+    latent_heat: Number,
+    /// Below the melting temperature.
+    solid: PhaseSpec,
+    /// Above the melting temperature.
+    liquid: PhaseSpec,
+}
+
+/// A half space that melts or freezes from its held surface on, from the melting temperature.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(in crate::case) struct StefanSpec {
+    axis: Axis,
+    /// Coordinate of the surface, m; that of the domain's face where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    at: Option<Number>,
+    #[serde(default)]
+    body: BodySpec,
+    /// Held temperature of the surface, K; that of the wall on the domain's face where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    wall: Option<Number>,
+    /// K; that of the whole body at t = 0.
+    melting_temperature: Number,
+    /// Of a unit volume, J/m3.
+    latent_heat: Number,
+    /// The phase that grows from the surface.
+    phase: PhaseSpec,
+}
+
+/// On which side of its surface a body lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum BodySpec {
+    #[default]
+    Above,
+    Below,
+}
+
+/// What conducts heat in one phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct PhaseSpec {
+    /// W/(m K)
+    conductivity: Number,
+    /// Capacity rho c of a unit volume, J/(m3 K).
+    capacity: Number,
+}
+
+impl PhaseSpec {
+    fn resolve(&self, setting: &Setting<'_>, key: &str) -> Result<Phase, CaseError> {
+        let positive = |part: &str, number: &Number| {
+            setting.evaluator.positive(&format!("exact.{key}.{part}"), number)
+        };
+        Ok(Phase {
+            conductivity: positive("conductivity", &self.conductivity)?,
+            capacity: positive("capacity", &self.capacity)?,
+        })
+    }
+}
+
+impl NeumannSpec {
+    pub(super) fn resolve(&self, setting: &Setting<'_>) -> Result<Neumann, CaseError> {
+        let surface = surface(setting, self.axis, &self.at, self.body, &self.wall)?;
+        let change = change(setting, &surface, &self.melting_temperature, &self.latent_heat)?;
+        let initial = setting.given("initial", &self.initial)?;
+        let ([melting, _], path) = (change, "exact.initial");
+        if surface.wall > melting {
+            let allowed = "at most the melting temperature, since the wall is above it";
+            in_range(path, initial, initial <= melting, allowed)?;
+        } else {
+            let allowed = "at least the melting temperature, since the wall is below it";
+            in_range(path, initial, initial >= melting, allowed)?;
+        }
+        let solid = self.solid.resolve(setting, "solid")?;
+        let liquid = self.liquid.resolve(setting, "liquid")?;
+        Ok(half_space(&surface, change, initial, [solid, liquid]))
+    }
+}
+
+impl StefanSpec {
+    pub(super) fn resolve(&self, setting: &Setting<'_>) -> Result<Neumann, CaseError> {
+        let surface = surface(setting, self.axis, &self.at, self.body, &self.wall)?;
+        let change = change(setting, &surface, &self.melting_temperature, &self.latent_heat)?;
+        // The other phase stays at the melting temperature, whatever it conducts.
+        let phase = self.phase.resolve(setting, "phase")?;
+        Ok(half_space(&surface, change, change[0], [phase; 2]))
+    }
+}
+
+/// A held surface, and where the body is.
+struct Surface {
+    axis: usize,
+    at: f64,
+    above: bool,
+    wall: f64,
+}
+
+fn surface(
+    setting: &Setting<'_>,
+    axis: Axis,
+    at: &Option<Number>,
+    body: BodySpec,
+    wall: &Option<Number>,
+) -> Result<Surface, CaseError> {
+    let (axis, above) = (setting.axis(axis)?, body == BodySpec::Above);
+    let face = Face { axis, upper: !above };
+    let at = setting.number_or("at", at, face.coordinate(setting.domain))?;
+    let wall = held_value(setting, "wall", wall, face)?;
+    Ok(Surface { axis, at, above, wall })
+}
+
+/// Melting temperature and latent heat.
+fn change(
+    setting: &Setting<'_>,
+    surface: &Surface,
+    melting: &Number,
+    latent_heat: &Number,
+) -> Result<[f64; 2], CaseError> {
+    let melting = setting.given("melting_temperature", melting)?;
+    let latent_heat = setting.evaluator.positive("exact.latent_heat", latent_heat)?;
+    let differs = surface.wall != melting;
+    in_range("exact.wall", surface.wall, differs, "above or below the melting temperature")?;
+    Ok([melting, latent_heat])
+}
+
+fn half_space(
+    surface: &Surface,
+    [melting, latent_heat]: [f64; 2],
+    initial: f64,
+    [solid, liquid]: [Phase; 2],
+) -> Neumann {
+    let Surface { axis, at, above, wall } = *surface;
+    Neumann::new(NeumannSetup {
+        axis,
+        at,
+        above,
+        initial,
+        wall,
+        melting,
+        latent_heat,
+        solid,
+        liquid,
+    })
+}
