@@ -141,6 +141,15 @@ impl Solution {
         }
     }
 
+    /// How much of a body of this extent (m) along x is liquid at time `t` (s), m; `None` where the
+    /// solution has no front across x.
+    pub fn liquid_depth(&self, t: f64, extent: DVec3) -> Option<f64> {
+        match self {
+            Self::Neumann(solution) => solution.liquid_depth(t, extent),
+            _ => None,
+        }
+    }
+
     /// The values at `positions` (m) and time `t` (s), computed in parallel.
     pub fn evaluate(&self, positions: &[DVec3], t: f64) -> Vec<f64> {
         positions.par_iter().map(|&x| self.at(x, t)).collect()

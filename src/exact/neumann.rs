@@ -105,6 +105,14 @@ impl Neumann {
         2.0 * self.lambda * (near.diffusivity() * t.max(0.0)).sqrt()
     }
 
+    /// How much of a body of this extent (m) along x is liquid at time `t` (s), m; `None` where x is not the
+    /// axis into the body.
+    pub fn liquid_depth(&self, t: f64, extent: DVec3) -> Option<f64> {
+        let melts = self.setup.wall > self.setup.melting;
+        let front = self.front(t).min(extent.x);
+        (self.setup.axis == 0).then_some(if melts { front } else { extent.x - front })
+    }
+
     /// The temperature at position `x` (m) and time `t` (s).
     pub fn at(&self, x: DVec3, t: f64) -> f64 {
         let setup = &self.setup;

@@ -191,12 +191,14 @@ pub struct Front {
     /// Volume x liquid fraction of all particles, m^dim.
     #[serde(with = "number")]
     pub liquid_volume: f64,
+    /// Where the exact solution has the front, m, if it is one with a front.
+    pub exact: Option<f64>,
 }
 
 impl Front {
-    /// From the liquid volume (m^dim) and the section across x (m^(dim - 1)).
-    pub fn new(liquid_volume: f64, section: f64) -> Self {
-        Self { position: liquid_volume / section, liquid_volume }
+    /// From the liquid volume (m^dim), the section across x (m^(dim - 1)) and the exact position (m).
+    pub fn new(liquid_volume: f64, section: f64, exact: Option<f64>) -> Self {
+        Self { position: liquid_volume / section, liquid_volume, exact }
     }
 }
 

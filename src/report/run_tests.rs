@@ -30,7 +30,7 @@ pub(crate) fn example() -> RunReport {
         memory_bytes: 24_000_000,
         field: FieldRange { min: 0.0, max: 0.1301, mean: 0.008 },
         conserved: Conserved::new(1000.0, 1010.0, 10.0, 0.0),
-        front: Some(Front { position: 0.25, liquid_volume: 1.5 }),
+        front: Some(Front { position: 0.25, liquid_volume: 1.5, exact: Some(0.24) }),
         density: Range { min: 999.5, max: 1000.5 },
         error: Some(ErrorReport::new("point_source", Norms::new(&[1.1], &[1.0], &[2.0]))),
         probes: vec![ProbeReport {

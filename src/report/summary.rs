@@ -119,7 +119,10 @@ impl Summary<'_> {
             let unit = ["m", "m2", "m3"][self.0.dimension.clamp(1, 3) - 1];
             let [position, volume] =
                 [front.position, front.liquid_volume].map(|x| significant(x, DIGITS));
-            line(f, "melted", format!("{volume} {unit}, to a depth of {position} m along x"))?;
+            let exact =
+                front.exact.map(|exact| format!(", exact {} m", significant(exact, DIGITS)));
+            let exact = exact.unwrap_or_default();
+            line(f, "melted", format!("{volume} {unit}, {position} m along x{exact}"))?;
         }
         let [min, max] = [density.min, density.max].map(|x| significant(x, 6));
         let unit = ["kg/m", "kg/m2", "kg/m3"][self.0.dimension.clamp(1, 3) - 1];

@@ -440,7 +440,7 @@ fn report(
         memory_bytes: measured.memory_bytes,
         field: FieldRange::of(&values),
         conserved: Conserved::new(initial, last, exchange, total(&magnitude, &capacity)),
-        front: front(problem, &recorder.state),
+        front: front(setup.scene, &recorder.state, recorder.time),
         density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
             ErrorReport::new(solution.name(), Norms::new(&values, exact, volume))
@@ -460,13 +460,17 @@ fn report(
 }
 
 /// How far a scene has melted; `None` where nothing can.
-fn front(problem: &Problem, state: &[f64]) -> Option<Front> {
+fn front(scene: &Scene, state: &[f64], time: f64) -> Option<Front> {
+    let problem = &scene.problem;
     let volume = &problem.particles.volume;
     let liquid =
         |particle: usize| volume[particle] * problem.liquid_fraction(particle, state[particle]);
     let melted: Vec<f64> = (0..state.len()).map(liquid).collect();
     let section: f64 = problem.domain.extent().to_array()[1..problem.dimension].iter().product();
-    problem.melts().then(|| Front::new(total(&melted, &vec![1.0; melted.len()]), section))
+    let exact =
+        scene.exact.as_ref().and_then(|exact| exact.liquid_depth(time, problem.domain.extent()));
+    let liquid_volume = total(&melted, &vec![1.0; melted.len()]);
+    problem.melts().then(|| Front::new(liquid_volume, section, exact))
 }
 
 /// Whether no body of a scene has its value held anywhere.

@@ -26,14 +26,18 @@ pub(in crate::case) struct NeumannSpec {
     /// Held temperature of the surface, K; that of the wall on the domain's face where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     wall: Option<Number>,
-    /// K
-    melting_temperature: Number,
-    /// Of a unit volume, J/m3.
-    latent_heat: Number,
-    /// Below the melting temperature.
-    solid: PhaseSpec,
-    /// Above the melting temperature.
-    liquid: PhaseSpec,
+    /// K; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    melting_temperature: Option<Number>,
+    /// Of a unit volume, J/m3; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    latent_heat: Option<Number>,
+    /// Below the melting temperature; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    solid: Option<PhaseSpec>,
+    /// Above the melting temperature; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    liquid: Option<PhaseSpec>,
 }
 
 /// A half space that melts or freezes from its held surface on, from the melting temperature.
@@ -49,12 +53,15 @@ pub(in crate::case) struct StefanSpec {
     /// Held temperature of the surface, K; that of the wall on the domain's face where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     wall: Option<Number>,
-    /// K; that of the whole body at t = 0.
-    melting_temperature: Number,
-    /// Of a unit volume, J/m3.
-    latent_heat: Number,
-    /// The phase that grows from the surface.
-    phase: PhaseSpec,
+    /// K; that of the whole body at t = 0; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    melting_temperature: Option<Number>,
+    /// Of a unit volume, J/m3; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    latent_heat: Option<Number>,
+    /// The phase that grows from the surface; the only material's where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    phase: Option<PhaseSpec>,
 }
 
 /// On which side of its surface a body lies.
@@ -74,6 +81,26 @@ struct PhaseSpec {
     conductivity: Number,
     /// Capacity rho c of a unit volume, J/(m3 K).
     capacity: Number,
+}
+
+/// A phase as given, or that of the only material.
+fn phase(
+    setting: &Setting<'_>,
+    key: &str,
+    spec: &Option<PhaseSpec>,
+    is_solid: bool,
+) -> Result<Phase, CaseError> {
+    if let Some(spec) = spec {
+        return spec.resolve(setting, key);
+    }
+    let (solid, liquid) = setting.melting(key)?;
+    Ok(match is_solid {
+        true => Phase { conductivity: solid.conductivity, capacity: solid.capacity },
+        false => {
+            let conductivity = liquid.conductivity.at(liquid.liquidus);
+            Phase { conductivity, capacity: liquid.capacity }
+        }
+    })
 }
 
 impl PhaseSpec {
@@ -101,8 +128,8 @@ impl NeumannSpec {
             let allowed = "at least the melting temperature, since the wall is below it";
             in_range(path, initial, initial >= melting, allowed)?;
         }
-        let solid = self.solid.resolve(setting, "solid")?;
-        let liquid = self.liquid.resolve(setting, "liquid")?;
+        let solid = phase(setting, "solid", &self.solid, true)?;
+        let liquid = phase(setting, "liquid", &self.liquid, false)?;
         Ok(half_space(&surface, change, initial, [solid, liquid]))
     }
 }
@@ -112,7 +139,7 @@ impl StefanSpec {
         let surface = surface(setting, self.axis, &self.at, self.body, &self.wall)?;
         let change = change(setting, &surface, &self.melting_temperature, &self.latent_heat)?;
         // The other phase stays at the melting temperature, whatever it conducts.
-        let phase = self.phase.resolve(setting, "phase")?;
+        let phase = phase(setting, "phase", &self.phase, surface.wall < change[0])?;
         Ok(half_space(&surface, change, change[0], [phase; 2]))
     }
 }
@@ -143,11 +170,17 @@ fn surface(
 fn change(
     setting: &Setting<'_>,
     surface: &Surface,
-    melting: &Number,
-    latent_heat: &Number,
+    melting: &Option<Number>,
+    latent_heat: &Option<Number>,
 ) -> Result<[f64; 2], CaseError> {
-    let melting = setting.given("melting_temperature", melting)?;
-    let latent_heat = setting.evaluator.positive("exact.latent_heat", latent_heat)?;
+    let melting = match melting {
+        Some(melting) => setting.given("melting_temperature", melting)?,
+        None => setting.melting("melting_temperature")?.1.solidus,
+    };
+    let latent_heat = match latent_heat {
+        Some(latent_heat) => setting.evaluator.positive("exact.latent_heat", latent_heat)?,
+        None => setting.melting("latent_heat")?.1.latent,
+    };
     let differs = surface.wall != melting;
     in_range("exact.wall", surface.wall, differs, "above or below the melting temperature")?;
     Ok([melting, latent_heat])

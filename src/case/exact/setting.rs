@@ -8,7 +8,7 @@ use crate::case::number::{Evaluator, Number, Point, in_range};
 use crate::case::schema::Axis;
 use crate::case::source::SourceSpec;
 use crate::exact::ZeroFluxBox;
-use crate::model::{Domain, Material, Wall};
+use crate::model::{Domain, Material, Melting, Wall};
 
 /// What the scene says about its exact solution.
 pub(in crate::case) struct Setting<'a> {
@@ -75,6 +75,22 @@ impl Setting<'_> {
         match capacities.all(|other| other == first) {
             true => Ok(first),
             false => Err(undetermined("capacity", "the materials differ in it".to_owned())),
+        }
+    }
+
+    /// The only material and how it melts, with a sharp melting point and constant properties in each phase.
+    pub(super) fn melting(&self, key: &str) -> Result<(&Material, &Melting), CaseError> {
+        let unknown = |reason: &str| undetermined(key, reason.to_owned());
+        let [material] = self.materials else {
+            return Err(unknown("the case has several materials"));
+        };
+        let melt = material.curve.as_ref().and_then(|curve| curve.melt());
+        let melt = melt.ok_or_else(|| unknown("the material does not melt"))?;
+        match melt.solidus == melt.liquidus && material.is_constant_in_phases() {
+            true => Ok((material, melt)),
+            false => Err(unknown(
+                "the material has no sharp melting point, or conductivities that depend on temperature",
+            )),
         }
     }
 

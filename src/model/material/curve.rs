@@ -55,6 +55,8 @@ pub struct HeatCurve {
     segments: Vec<Segment>,
     /// Enthalpies between which it melts, K.
     melting: Option<[f64; 2]>,
+    /// What it melts to.
+    melt: Option<Melting>,
     /// Reference conductivity, W/(m K).
     reference: f64,
     /// Temperatures between which the conductivity is known, K.
@@ -102,7 +104,8 @@ impl HeatCurve {
         made.go_on(last, k(last), 1.0 / ratio);
         let [least, _] = solid.limits();
         let [_, most] = melting.conductivity.limits();
-        Self::anchored(made.segments, Some([begins, ends]), reference).limited([least, most])
+        let made = Self::anchored(made.segments, Some([begins, ends]), reference);
+        Self { melt: Some(melting.clone()), ..made.limited([least, most]) }
     }
 
     /// The same where the conductivity is only known between two temperatures (K): beyond, potentials are no
@@ -141,7 +144,8 @@ impl HeatCurve {
             None => segments.get(1).map_or(0.0, at),
         };
         segments.iter_mut().for_each(|segment| segment.potential += shift);
-        Self { segments, melting, reference, limits: [f64::NEG_INFINITY, f64::INFINITY] }
+        let limits = [f64::NEG_INFINITY, f64::INFINITY];
+        Self { segments, melting, melt: None, reference, limits }
     }
 
     /// Its segments, ascending.
@@ -167,6 +171,20 @@ impl HeatCurve {
     /// Enthalpies between which it melts, K.
     pub fn melting(&self) -> Option<[f64; 2]> {
         self.melting
+    }
+
+    /// Whether the conductivity changes only by melting.
+    pub fn is_constant_in_phases(&self) -> bool {
+        let melts = self.melting.map_or(f64::INFINITY, |[begins, _]| begins);
+        let solid = self.segments.iter().filter(|segment| segment.start < melts);
+        let is_reference = |segment: &Segment| segment.slope == 1.0 && segment.bend == 0.0;
+        solid.clone().all(is_reference)
+            && self.melt.as_ref().is_none_or(|melt| melt.conductivity.is_constant())
+    }
+
+    /// How it melts, and what it is then.
+    pub fn melt(&self) -> Option<&Melting> {
+        self.melt.as_ref()
     }
 
     fn segment(&self, enthalpy: f64) -> &Segment {

@@ -54,6 +54,11 @@ impl Material {
         Self { name: name.into(), conductivity, capacity, curve, density }
     }
 
+    /// Whether its properties depend on temperature only by melting.
+    pub fn is_constant_in_phases(&self) -> bool {
+        self.curve.as_ref().is_none_or(|curve| curve.is_constant_in_phases())
+    }
+
     /// Diffusivity k / (rho c), m2/s.
     pub fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity

@@ -1,0 +1,355 @@
+//! Enthalpy: melting and freezing, conductivities that depend on temperature, on every path and machine.
+
+#[expect(dead_code, reason = "the tests of the passes use the rest")]
+#[path = "gpu_passes/support.rs"]
+mod support;
+
+use std::ops::ControlFlow;
+
+use diffusph::case::{self, Override, Scene};
+use diffusph::report::run::RunReport;
+use diffusph::solver::{Machine, PathWish, Precision, SolverError};
+use diffusph::study::{self, Outcome, RunOptions};
+use serde_json::{Value, json};
+
+fn shipped(name: &str, overrides: &[&str]) -> Scene {
+    let own = ["output={}", "probes=[]"].iter().chain(overrides);
+    let overrides: Vec<Override> =
+        own.map(|text| Override::parse(text).expect("it is an override")).collect();
+    case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn load(case: &Value) -> Result<Scene, String> {
+    case::from_json("test", case.clone(), &[]).map_err(|error| error.to_string())
+}
+
+fn outcome(scene: &Scene, machine: &Machine, path: PathWish) -> Outcome {
+    let options = RunOptions { path, ..RunOptions::new(machine) };
+    study::run(scene, &options, &mut |_| ControlFlow::Continue(()))
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn run_on(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
+    let Outcome { report, state, stopped } = outcome(scene, machine, path);
+    assert!(stopped.is_none(), "{stopped:?}");
+    (report, state)
+}
+
+fn on_gpu(precision: Precision) -> Machine {
+    Machine::Gpu { device: support::device().clone(), precision }
+}
+
+fn run(scene: &Scene) -> (RunReport, Vec<f64>) {
+    run_on(scene, &Machine::Cpu, PathWish::Auto)
+}
+
+fn melting_rod(n: u32, more: &[&str]) -> Scene {
+    let spacing = format!("particles.spacing=0.4/{n}");
+    let keys: Vec<&str> = std::iter::once(&*spacing).chain(more.iter().copied()).collect();
+    shipped("melting_rod", &keys)
+}
+
+/// How far the front is from the exact one, in spacings.
+fn off(report: &RunReport, n: u32) -> f64 {
+    let front = report.front.expect("it melts");
+    (front.position - front.exact.expect("Neumann's solution")) * f64::from(n) / 0.4
+}
+
+#[test]
+fn the_front_of_the_melting_rod_is_neumanns() {
+    for n in [50, 100, 200, 400, 800] {
+        let (report, _) = run(&melting_rod(n, &[]));
+        assert_eq!(report.path, "lattice");
+        // At 50 the front has passed two particles and a half.
+        let most = if n == 50 { 0.11 } else { 0.06 };
+        assert!(off(&report, n).abs() < most, "n = {n}: {} dx", off(&report, n));
+        assert!(report.conserved.relative_drift.abs() < 1e-12);
+        if n == 800 {
+            let front = report.front.expect("it melts");
+            assert!((front.exact.expect("exact") - 0.0197790903).abs() < 1e-10);
+            assert!((front.position / 0.0197790903 - 1.0).abs() < 6e-4, "{}", front.position);
+        }
+    }
+    let (lattice, a) = run(&melting_rod(100, &[]));
+    let (list, b) = run_on(&melting_rod(100, &[]), &Machine::Cpu, PathWish::List);
+    assert_eq!((&*lattice.path, &*list.path), ("lattice", "list"));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9));
+    // Heat that counts twice is noticed.
+    let twice = melting_rod(
+        200,
+        &["materials.metal.latent_heat=2*63.7e3", "exact.latent_heat=19300*63.7e3"],
+    );
+    assert!(off(&run(&twice).0, 200).abs() > 1.0);
+}
+
+#[test]
+fn other_latent_heats_have_their_fronts() {
+    for (latent, exact) in [("6.37e3", 0.0332186384), ("630e3", 0.0076576295)] {
+        let heat = format!("materials.metal.latent_heat={latent}");
+        for n in [200, 400] {
+            let (report, _) = run(&melting_rod(n, &[&heat]));
+            let front = report.front.expect("it melts");
+            assert!((front.exact.expect("exact") / exact - 1.0).abs() < 1e-8);
+            assert!(off(&report, n).abs() < 0.2, "{latent}, n = {n}: {} dx", off(&report, n));
+        }
+    }
+}
+
+#[test]
+fn temperatures_beside_the_front_are_of_first_order_or_better() {
+    let error = |n: u32| run(&melting_rod(n, &[])).0.error.expect("exact").l2_relative;
+    let errors = [50, 100, 200, 400, 800].map(error);
+    // What the front's phase in its cell does goes up and down: over four octaves it falls.
+    let slope = (errors[0] / errors[4]).log2() / 4.0;
+    assert!(slope > 0.9, "{errors:?}: {slope}");
+}
+
+#[test]
+fn implicit_steps_of_a_hundred_limits_keep_the_front() {
+    for n in [400, 800] {
+        let step = "time.step=100*0.5*spacing^2/1.28e-4";
+        let (report, _) = run(&melting_rod(n, &["time.method=tr_bdf2", step]));
+        assert!(off(&report, n).abs() < 0.2, "n = {n}: {} dx", off(&report, n));
+        assert!(report.conserved.relative_drift.abs() < 1e-12, "{:?}", report.conserved);
+    }
+}
+
+#[test]
+fn methods_agree_on_the_front() {
+    for method in ["heun", "rkl2", "tr_bdf2"] {
+        let keys = [&*format!("time.method={method}"), "time.tolerance.relative=1e-5"];
+        let (report, _) = run(&melting_rod(200, &keys));
+        assert!(off(&report, 200).abs() < 0.01, "{method}: {} dx", off(&report, 200));
+        assert!(report.conserved.relative_drift.abs() < 1e-12, "{method}: {:?}", report.conserved);
+    }
+}
+
+/// A short rod of the same metal between walls that go up to 500 K and back to 300 K.
+fn there_and_back(end: f64) -> Scene {
+    let mut case =
+        serde_json::from_str::<Value>(include_str!("../cases/melting_rod.json")).expect("JSON");
+    case["particles"]["fill"][0]["shape"]["box"]["max"] = json!([0.02]);
+    case["particles"]["spacing"] = json!(0.001);
+    case["boundaries"] = json!([
+        { "wall": { "faces": ["x_min", "x_max"], "kind": { "value": "300 + 200*(1 - step(t - 20))" } } }
+    ]);
+    case["time"]["end"] = json!(end);
+    case["time"]["breaks"] = json!([20]);
+    for key in ["exact", "probes", "output"] {
+        case.as_object_mut().expect("an object").remove(key);
+    }
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn what_melts_and_freezes_again_is_what_it_was() {
+    let (hot, state) = run(&there_and_back(20.0));
+    assert!((hot.front.expect("it melts").position - 0.02).abs() < 1e-12, "all is liquid");
+    assert!(state.iter().all(|enthalpy| *enthalpy > 800.0));
+    let (cold, state) = run(&there_and_back(80.0));
+    assert_eq!(cold.front.expect("it melts").position, 0.0);
+    let worst = state.iter().map(|enthalpy| (enthalpy - 300.0).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-9, "{worst:e}");
+    assert!(cold.conserved.relative_drift.abs() < 1e-12);
+}
+
+/// A slab of conductivity 5 (1 + (T - 300) / 100) between 300 and 400 K, as table or expression.
+fn slab(conductivity: &Value, support_ratio: f64) -> Value {
+    json!({
+        "title": "k(T)", "dimension": 1,
+        "particles": { "spacing": 0.05,
+            "fill": [{ "shape": { "box": { "min": [0], "max": [1] } }, "material": "m" }] },
+        "kernel": { "name": "cubic_spline", "support_ratio": support_ratio },
+        "materials": { "m": { "conductivity": conductivity, "density": 1000, "heat_capacity": 1 } },
+        "initial": [{ "value": 300 }],
+        "boundaries": [
+            { "wall": { "faces": ["x_min"], "kind": { "value": 300 } } },
+            { "wall": { "faces": ["x_max"], "kind": { "value": 400 } } }
+        ],
+        "exact": { "name": "expression", "value": "200 + 100*sqrt(1 + 3*x)" },
+        "time": { "end": 5000, "method": "tr_bdf2", "tolerance": { "relative": 1e-6 } }
+    })
+}
+
+#[test]
+fn a_steady_profile_of_a_conductivity_of_temperature_is_exact() {
+    let table = json!([[300, 5], [400, 10]]);
+    for (conductivity, most) in [(table, 1e-6), (json!("5*(1 + (T - 300)/100)"), 1e-6)] {
+        for support_ratio in [2.0, 3.0] {
+            for path in [PathWish::Lattice, PathWish::List] {
+                let scene = load(&slab(&conductivity, support_ratio)).expect("a case");
+                let (report, _) = run_on(&scene, &Machine::Cpu, path);
+                let error = report.error.expect("exact").linf;
+                assert!(error < most, "{conductivity}, {support_ratio}, {path:?}: {error:e}");
+            }
+        }
+    }
+    // The wrong law is noticed.
+    let scene = load(&slab(&json!([[300, 5], [400, 9.9]]), 2.0)).expect("a case");
+    assert!(run(&scene).0.error.expect("exact").linf > 0.01);
+}
+
+/// Everything at once: a range of melting, a table, a held corner, a flux, a moving source, a hole.
+fn everything(method: &str, hole: bool) -> Value {
+    let body = json!({ "box": { "min": [0, 0], "max": [0.04, 0.03] } });
+    let shape = match hole {
+        true => {
+            json!({ "difference": [body, { "sphere": { "center": [0.02, 0.011], "radius": 0.004 } }] })
+        }
+        false => body,
+    };
+    json!({
+        "title": "everything", "dimension": 2,
+        "particles": { "spacing": 0.001, "fill": [{ "shape": shape, "material": "m" }] },
+        "kernel": { "name": "wendland_c2", "support_ratio": 2.5 },
+        "materials": { "m": {
+            "conductivity": [[300, 40], [500, 25]], "density": 7000, "heat_capacity": 500,
+            "melting_temperature": [480, 520], "latent_heat": 2e5,
+            "liquid": { "conductivity": 18, "density": 6500, "heat_capacity": 700 }
+        } },
+        "initial": [{ "value": "300 + 3000*x" }, { "amount": 4e4, "at": [0.01, 0.02] }],
+        "boundaries": [
+            { "held": { "where": { "box": { "min": [0, 0], "max": [0.005, 0.004] } }, "value": 300 } },
+            { "wall": { "faces": ["x_max"], "kind": { "flux": 2e5 } } },
+            { "wall": { "faces": ["y_max"], "kind": { "value": "450 + 150*sin(3*t)" } } },
+            { "wall": { "faces": ["x_min", "y_min"], "kind": "insulated" } }
+        ],
+        "sources": [{ "power": 3e4, "path": [[0.01, 0.025], [0.03, 0.025]], "speed": 0.02 }],
+        "time": { "end": 1.5, "method": method, "tolerance": { "relative": 1e-4 } }
+    })
+}
+
+#[test]
+fn with_everything_at_once_energy_is_conserved() {
+    for method in ["euler", "heun", "rkl2", "tr_bdf2"] {
+        for (hole, path) in
+            [(false, PathWish::Lattice), (true, PathWish::Lattice), (true, PathWish::List)]
+        {
+            let mut case = everything(method, hole);
+            if method == "euler" {
+                case["time"].as_object_mut().expect("an object").remove("tolerance");
+            }
+            let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
+            let (report, _) = run_on(&scene, &Machine::Cpu, path);
+            let front = report.front.expect("it melts");
+            assert!(front.liquid_volume > 1e-5, "{method}: {front:?}");
+            let drift = report.conserved.relative_drift.abs();
+            assert!(drift < 1e-12, "{method} on {}: {drift:e}", report.path);
+        }
+    }
+}
+
+#[test]
+fn a_gpu_melts_as_the_cpu_does() {
+    for (method, most) in [
+        ("euler", [1e-9, 2e-6, 2e-3]),
+        ("rkl2", [1e-6, 1e-4, 3e-2]),
+        ("tr_bdf2", [1e-6, 1e-3, 0.3]),
+    ] {
+        for path in [PathWish::Lattice, PathWish::List] {
+            let steps =
+                if method == "euler" { "0.2*spacing^2/1.28e-4" } else { "5*spacing^2/1.28e-4" };
+            let keys =
+                [&*format!("time.method={method}"), &format!("time.step={steps}"), "time.end=5"];
+            let scene = melting_rod(100, &keys);
+            let (_, cpu) = run_on(&scene, &Machine::Cpu, path);
+            for (precision, most) in
+                [Precision::F64, Precision::Compensated, Precision::F32].into_iter().zip(most)
+            {
+                let (report, gpu) = run_on(&scene, &on_gpu(precision), path);
+                let worst = cpu.iter().zip(&gpu).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                println!(
+                    "{method} {path:?} {}: {worst:e} K, drift {:e}",
+                    precision.name(),
+                    report.conserved.relative_drift
+                );
+                assert!(worst < most, "{method} {path:?} {}: {worst:e} K", precision.name());
+            }
+        }
+    }
+}
+
+fn refused(change: impl Fn(&mut Value), expected: &str) {
+    let mut case = everything("rkl2", false);
+    change(&mut case);
+    let error = load(&case).map(|_| ()).expect_err("it is refused");
+    assert!(error.contains(expected), "{error}\nis not: {expected}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let material = |key: &'static str, value: Value| {
+        move |case: &mut Value| {
+            let material = case["materials"]["m"].as_object_mut().expect("an object");
+            match value {
+                Value::Null => material.remove(key),
+                _ => material.insert(key.to_owned(), value.clone()),
+            };
+        }
+    };
+    refused(
+        material("melting_temperature", Value::Null),
+        "materials.m.latent_heat: not used: the material has no melting_temperature",
+    );
+    refused(material("latent_heat", Value::Null), "materials.m.latent_heat: missing key");
+    refused(material("latent_heat", json!(-1)), "materials.m.latent_heat: is -1, must be positive");
+    refused(
+        material("melting_temperature", json!([500, 400])),
+        "materials.m.melting_temperature[1]: is 400, must be no less than where melting begins",
+    );
+    refused(
+        material("melting_temperature", json!([500])),
+        "expected one temperature or two, found 1",
+    );
+    refused(material("diffusivity", json!(1)), "materials.m.conductivity: not used");
+    refused(
+        material("conductivity", json!([[300, 5], [300, 6]])),
+        "materials.m.conductivity[1][0]: is 300, must be above the temperature before",
+    );
+    refused(
+        material("conductivity", json!([[300, -5]])),
+        "materials.m.conductivity[0][1]: is -5, must be positive",
+    );
+    refused(material("conductivity", json!("350 - T")), "must be positive and finite at T = ");
+    refused(material("conductivity", json!("5 + x")), "\"x\" has no meaning here");
+    refused(
+        |case| {
+            case["boundaries"][1]["wall"]["kind"] =
+                json!({ "convection": { "coefficient": 1, "ambient": 300 } })
+        },
+        "a convection wall needs materials whose conductivity does not depend on temperature",
+    );
+    refused(
+        |case| case["sources"][0] = json!({ "linear": -1 }),
+        "a source in proportion to the temperature needs materials",
+    );
+}
+
+#[test]
+fn a_conductivity_that_ends_is_named_with_the_temperature_and_the_particle() {
+    let mut case = slab(&json!("2 - T/500"), 2.0);
+    case.as_object_mut().expect("an object").remove("exact");
+    case["sources"] = json!([{ "rate": 1e5 }]);
+    case["time"] = json!({ "end": 100, "method": "euler" });
+    let scene = load(&case).expect("a case");
+    let stopped = outcome(&scene, &Machine::Cpu, PathWish::Auto).stopped;
+    let Some(SolverError::ConductivityUnknown { temperature, particle, material, limits, .. }) =
+        &stopped
+    else {
+        panic!("{stopped:?}");
+    };
+    assert!(*temperature > limits[1] && limits[1] <= 1000.0 && material == "m" && *particle < 20);
+    let text = stopped.expect("it stopped").to_string();
+    assert!(text.contains("reached T = ") && text.contains("particle"), "{text}");
+}
+
+#[test]
+fn scenes_that_do_not_melt_pay_nothing() {
+    let plain = r#"materials={"metal":{"conductivity":"1.28e-4*19300*129","density":19300,"heat_capacity":129}}"#;
+    let no_exact = "exact=null";
+    let (melting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact]));
+    let (conducting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact, plain]));
+    // The enthalpy and the copy of it that a run falls back to.
+    assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16);
+    assert!(conducting.front.is_none());
+}
