@@ -134,7 +134,9 @@ fn there_and_back(end: f64) -> Scene {
         { "wall": { "faces": ["x_min", "x_max"], "kind": { "value": "300 + 200*(1 - step(t - 20))" } } }
     ]);
     case["time"]["end"] = json!(end);
-    case["time"]["breaks"] = json!([20]);
+    if end > 20.0 {
+        case["time"]["breaks"] = json!([20]);
+    }
     for key in ["exact", "probes", "output"] {
         case.as_object_mut().expect("an object").remove(key);
     }
@@ -232,7 +234,7 @@ fn with_everything_at_once_energy_is_conserved() {
             let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
             let (report, _) = run_on(&scene, &Machine::Cpu, path);
             let front = report.front.expect("it melts");
-            assert!(front.liquid_volume > 1e-5, "{method}: {front:?}");
+            assert!(front.liquid_volume > 1e-7, "{method}: {front:?}");
             let drift = report.conserved.relative_drift.abs();
             assert!(drift < 1e-12, "{method} on {}: {drift:e}", report.path);
         }

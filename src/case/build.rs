@@ -17,6 +17,7 @@ use super::thermal::{impose_potentials, range_of_values};
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
+use crate::model::operator::ContactResistance;
 use crate::model::{
     Correction, Domain, Kernel, KernelKind, Material, PairMean, Particles, Problem,
 };
@@ -98,6 +99,7 @@ fn problem(
         materials,
         kernel,
         pair_mean,
+        contacts: contacts(case, &evaluator, pair_mean)?,
         correction,
         held,
         walls,
@@ -199,6 +201,45 @@ fn evaluator(case: &Case) -> Result<(Evaluator, f64), CaseError> {
     let bare = Evaluator { dimension: case.dimension as usize, spacing: None };
     let spacing = bare.positive("particles.spacing", &case.particles.spacing)?;
     Ok((Evaluator { spacing: Some(spacing), ..bare }, spacing))
+}
+
+/// What resists where materials meet.
+fn contacts(
+    case: &Case,
+    evaluator: &Evaluator,
+    pair_mean: PairMean,
+) -> Result<Vec<ContactResistance>, CaseError> {
+    let names: Vec<&String> = case.materials.keys().collect();
+    let mut contacts: Vec<ContactResistance> = Vec::new();
+    for (index, spec) in case.contacts.iter().enumerate() {
+        let path = format!("contacts[{index}]");
+        if pair_mean != PairMean::Harmonic {
+            let reason = "a contact resistance needs the harmonic pair_mean".to_owned();
+            return Err(CaseError::UnusedKey { path, reason });
+        }
+        let [one, other] = &spec.between[..] else {
+            let reason = format!("expected two materials, found {}", spec.between.len());
+            return Err(CaseError::WrongType { path: format!("{path}.between"), reason });
+        };
+        let material = |k: usize, name: &String| {
+            let found = names.iter().position(|known| *known == name);
+            found.map(|found| found as u16).ok_or_else(|| {
+                let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
+                let nearest = nearest(name, &known, 1);
+                let path = format!("{path}.between[{k}]");
+                CaseError::UnknownName { path, text: name.clone(), nearest, known }
+            })
+        };
+        let mut between = [material(0, one)?, material(1, other)?];
+        between.sort_unstable();
+        if between[0] == between[1] || contacts.iter().any(|contact| contact.between == between) {
+            let text = format!("{one}, {other}");
+            return Err(CaseError::Duplicate { path: format!("{path}.between"), text });
+        }
+        let resistance = evaluator.not_negative(&format!("{path}.resistance"), &spec.resistance)?;
+        contacts.push(ContactResistance { between, resistance });
+    }
+    Ok(contacts)
 }
 
 /// The materials, with what depends on temperature for the temperatures of `range` (K) and far around.

@@ -36,6 +36,9 @@ pub(super) struct Case {
     pub(super) operator: OperatorSpec,
     /// What the fills are made of, by name.
     pub(super) materials: BTreeMap<String, MaterialSpec>,
+    /// What resists where two materials meet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) contacts: Vec<ContactSpec>,
     /// Values at t = 0, which are 0 where no entry says otherwise.
     #[serde(default)]
     pub(super) initial: Vec<InitialSpec>,
@@ -54,6 +57,18 @@ pub(super) struct Case {
     pub(super) probes: Vec<ProbeSpec>,
     #[serde(default)]
     pub(super) output: OutputSpec,
+}
+
+/// A resistance where two materials meet: between them the value jumps by it times what flows through a unit
+/// of area.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+pub(super) struct ContactSpec {
+    /// Names of two materials.
+    #[schemars(length(min = 2, max = 2))]
+    pub(super) between: Vec<String>,
+    /// m2 K/W; with a diffusivity alone s/m.
+    pub(super) resistance: Number,
 }
 
 /// The particles: shapes filled with a lattice.

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::integrator::{MethodChoice, Preconditioner, Tolerance};
+use super::operator::ContactResistance;
 use super::{
     Correction, Domain, HeatCurve, Kernel, Material, PairMean, Particles, ScalarField, Source,
     Surface, Wall,
@@ -31,6 +32,8 @@ pub struct Problem {
     pub kernel: Kernel,
     /// How the two diffusivities of a pair are joined.
     pub pair_mean: PairMean,
+    /// What resists where materials meet: only on a lattice, and with harmonic means.
+    pub contacts: Vec<ContactResistance>,
     /// Plain or moment-corrected operator.
     pub correction: Correction,
     /// State of every particle at t = 0, its value or enthalpy (see [`HeatCurve`]); held particles carry

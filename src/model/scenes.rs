@@ -39,6 +39,7 @@ pub(crate) fn lattice(
         materials: vec![Material::diffusive("rock", 1.0, 1000.0)],
         kernel: Kernel::new(kind, dimension, support_ratio * spacing).expect("kernel is defined"),
         pair_mean: PairMean::Harmonic,
+        contacts: Vec::new(),
         correction: Correction::Moment,
         initial: vec![0.0; n],
         held: Vec::new(),

@@ -72,6 +72,7 @@ pub(crate) fn scene(
         materials: vec![material(1.0)],
         kernel: Kernel::new(kind, dimension, support_radius).expect("defined in this dimension"),
         pair_mean: PairMean::Harmonic,
+        contacts: Vec::new(),
         correction: Correction::Moment,
         initial: vec![0.0; count],
         walls: Vec::new(),

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 pub use edge::{Edge, End, Site};
 pub use mixed::MixedScene;
-pub use scene::{ABSENT, LatticeScene, LineClass, WIDEST};
+pub use scene::{ABSENT, LatticeScene, LineClass, WIDEST, sites_with_particles};
 
 use super::Kernel;
 

@@ -103,7 +103,9 @@ pub(super) fn kinds(problem: &Problem, lattice: &LatticeScene) -> Vec<u16> {
         (material.conductivity, material.capacity, material.density)
     };
     let count = problem.materials.len() as u16;
-    let same = |m: u16| (0..m).find(|&other| properties(other) == properties(m)).unwrap_or(m);
+    // Where contacts resist, also materials of the same properties are to be told apart.
+    let alike = |a: u16, b: u16| problem.contacts.is_empty() && properties(a) == properties(b);
+    let same = |m: u16| (0..m).find(|&other| alike(other, m)).unwrap_or(m);
     let kind: Vec<u16> = (0..count).map(same).collect();
     let of_particle = |&particle: &u32| match particle {
         ABSENT => NOTHING,

@@ -68,6 +68,9 @@ impl LatticeScene {
         }
         check_volume(problem)?;
         check_material(problem)?;
+        if !problem.contacts.is_empty() {
+            return Err("materials meet with a contact resistance");
+        }
         if !problem.surfaces.is_empty() {
             return Err("a surface that is no face of the domain acts on it");
         }
@@ -161,6 +164,14 @@ pub(super) fn counts(
         counts[axis] = (count + 0.5 + WHOLE * count) as usize;
     }
     Ok(counts)
+}
+
+/// Sites along each axis, and the particle at each site, [`ABSENT`] where there is none, or their own order;
+/// `None` where particles are on no lattice.
+pub fn sites_with_particles(problem: &Problem) -> Option<([usize; 3], Option<Vec<u32>>)> {
+    let counts = counts(problem, |axis| problem.domain.periodic[axis]).ok()?;
+    let order = order(problem, counts, ON_SITE).ok()?;
+    Some((counts, order))
 }
 
 /// Whether an axis is a whole number of spacings.

@@ -6,6 +6,7 @@
 
 mod bodies;
 pub mod fold;
+mod interfaces;
 mod pair_mean;
 mod row_block;
 pub mod rows;
@@ -15,6 +16,7 @@ mod survey;
 mod weight;
 
 pub use bodies::floating_bodies;
+pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
 pub use some_rows::{SomeRows, Visit, within};
 pub use source_rows::{FoldNeeds, SourceRows};

@@ -76,7 +76,7 @@ pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
     (survey.with_sources(problem), rows)
 }
 
-/// What walls add to the matrix of a scene, kept apart from it: for a backend that computes the
+/// What walls, and interfaces whose place is known, add to the matrix of a scene, kept apart from it: for a backend that computes the
 /// weights between particles itself. Ranks are places in cell order.
 #[derive(Clone, Debug, Default)]
 pub struct WallFold {
@@ -94,7 +94,7 @@ pub struct WallFold {
 pub fn wall_fold(problem: &Problem, grid: &CellGrid<'_>) -> WallFold {
     let weight = PairWeight::new(problem);
     let walk = Walk::new(problem, grid.order(), &weight);
-    if walk.fold.is_none() {
+    if walk.fold.is_none() && !weight.knows_interfaces() {
         return WallFold::default();
     }
     let parts: Vec<Part> =
@@ -169,13 +169,18 @@ impl<'a> Walk<'a> {
         let mut scratch = Scratch::default();
         let mut row_fold = RowFold::default();
         for cell in cells {
-            if keep == Keep::Walls && !self.walls_reach(&grid.order()[grid.ranks(cell)]) {
+            let is_known = self.weight.knows_interfaces();
+            let reached = || self.walls_reach(&grid.order()[grid.ranks(cell)]);
+            if keep == Keep::Walls && !is_known && !reached() {
                 continue;
             }
             grid.for_each_row(cell, problem.kernel.cutoff(), &mut scratch, |rank, neighbors| {
                 let row = self.row(rank, neighbors, &mut row_fold);
                 match keep {
-                    Keep::Walls => part.keep_walls(problem, &row),
+                    Keep::Walls => {
+                        part.keep_walls(problem, &row);
+                        self.keep_interfaces(&row, &mut part);
+                    }
                     _ => self.note(&row, keep == Keep::Rows, &mut part),
                 }
             });
@@ -197,6 +202,21 @@ impl<'a> Walk<'a> {
         Row { rank, a, held: self.problem.is_held(a), neighbors, fold: folded.then_some(fold) }
     }
 
+    /// Stores what weights get beyond the pair mean, where it is known where materials meet.
+    fn keep_interfaces(&self, row: &Row<'_>, part: &mut Part) {
+        if !self.weight.knows_interfaces() {
+            return;
+        }
+        for n in row.neighbors {
+            let b = self.order[n.rank as usize] as usize;
+            let [known, half_way] =
+                [self.weight.between(row.a, b, n.dist), self.weight.of(row.a, b, n.dist)];
+            if known != half_way {
+                part.folded.push((row.rank as u32, n.rank, known - half_way));
+            }
+        }
+    }
+
     /// Whether a wall reaches or a source acts on one of `particles`.
     fn walls_reach(&self, particles: &[u32]) -> bool {
         let reached = |fold: &Fold<'_>| particles.iter().any(|&p| fold.reaches(p as usize));
@@ -216,7 +236,7 @@ impl<'a> Walk<'a> {
             if row.held && problem.is_held(b) {
                 continue;
             }
-            let between = self.weight.of(row.a, b, n.dist);
+            let between = self.weight.between(row.a, b, n.dist);
             let weight = between + row.fold.map_or(0.0, |fold| fold.weight[k]);
             weights += weight;
             negative -= weight.min(0.0);

@@ -1,5 +1,6 @@
 //! The weight of a pair.
 
+use super::interfaces::Interfaces;
 use crate::model::{Kernel, Particles, Problem, lattice};
 
 /// What the kernel sum is divided by.
@@ -48,6 +49,8 @@ pub struct PairWeight<'a> {
     materials: usize,
     /// Deff / D of the plain operator on the lattice.
     lattice_ratio: f64,
+    /// Where materials meet, if that is known and not half way.
+    interfaces: Option<Interfaces<'a>>,
 }
 
 impl<'a> PairWeight<'a> {
@@ -70,11 +73,23 @@ impl<'a> PairWeight<'a> {
             conductivity: mean.iter().map(|mean| 0.5 * mean * lattice_ratio / moment).collect(),
             materials: materials.len(),
             lattice_ratio,
+            interfaces: Interfaces::of(problem),
         }
     }
 
     /// w_ab of particles `a` and `b` at distance `dist` (m, below the kernel's cutoff), 1/s, never
-    /// negative.
+    /// negative, with what is known of where their materials meet.
+    pub fn between(&self, a: usize, b: usize, dist: f64) -> f64 {
+        let weight = self.of(a, b, dist);
+        self.interfaces.as_ref().map_or(weight, |interfaces| weight * interfaces.factor(a, b))
+    }
+
+    /// Whether it is known where materials meet, so that weights are not always those of the pair mean.
+    pub fn knows_interfaces(&self) -> bool {
+        self.interfaces.is_some()
+    }
+
+    /// The same as if the materials met half way, as with ghosts.
     pub fn of(&self, a: usize, b: usize, dist: f64) -> f64 {
         let factor = self.factor[self.materials_of(a, b)];
         -self.particles.volume[b] * factor * (self.shape)(dist * self.inverse_radius)

@@ -66,6 +66,7 @@ pub(super) fn scene(size: u64, dimension: usize, support_ratio: f64) -> Problem 
         materials: vec![Material::diffusive("unit", 1.0, 1000.0)],
         kernel: kernel(dimension, spacing, support_ratio),
         pair_mean: PairMean::Harmonic,
+        contacts: Vec::new(),
         correction: Correction::Moment,
         initial,
         held: Vec::new(),
