@@ -42,7 +42,11 @@ fn explain(json: &Value, path: &str, message: &str) -> CaseError {
     let known: Vec<String> = quoted.iter().skip(1).cloned().collect();
     let nearest = nearest(&first, &known, 1);
     if message.starts_with("unknown field") {
-        return CaseError::UnknownKey { path: below(path, &first), nearest, known };
+        let path = match only_inside(json, path, &|key, _| key == first) {
+            Some(inside) => inside,
+            None => below(path, &first),
+        };
+        return CaseError::UnknownKey { path, nearest, known };
     }
     if message.starts_with("missing field") {
         return CaseError::MissingKey { path: join(path, &first) };
@@ -52,9 +56,12 @@ fn explain(json: &Value, path: &str, message: &str) -> CaseError {
         if found.is_some_and(|value| value.get(&first).is_some()) {
             return CaseError::UnknownKey { path: join(path, &first), nearest, known };
         }
-        // A tagged object is known to serde by its own path, not by that of the tag.
-        let tagged = found.is_some_and(Value::is_object);
-        let path = if tagged { join(path, "name") } else { path.to_owned() };
+        let tagged = found.and_then(|value| value.get("name")).is_some_and(|tag| *tag == *first);
+        let path = match only_inside(json, path, &|_, value| *value == *first) {
+            _ if tagged => join(path, "name"),
+            Some(inside) => inside,
+            None => path.to_owned(),
+        };
         return CaseError::UnknownName { path, text: first, nearest, known };
     }
     wrong_type(path, message)
@@ -80,6 +87,39 @@ fn wrong_type(path: &str, message: &str) -> CaseError {
         false => message.replace('`', ""),
     };
     CaseError::WrongType { path, reason }
+}
+
+/// The path of the only key and value inside of the value at `path` that are `wanted`: serde knows what is
+/// in a tagged object by the path of that object.
+fn only_inside(json: &Value, path: &str, wanted: &dyn Fn(&str, &Value) -> bool) -> Option<String> {
+    let mut found = Vec::new();
+    search(lookup(json, path)?, path, wanted, &mut found);
+    if found.len() == 1 { found.pop() } else { None }
+}
+
+fn search(
+    value: &Value,
+    path: &str,
+    wanted: &dyn Fn(&str, &Value) -> bool,
+    found: &mut Vec<String>,
+) {
+    match value {
+        Value::Object(entries) => {
+            for (key, entry) in entries {
+                let path = join(path, key);
+                search(entry, &path, wanted, found);
+                if wanted(key, entry) {
+                    found.push(path);
+                }
+            }
+        }
+        Value::Array(entries) => {
+            for (index, entry) in entries.iter().enumerate() {
+                search(entry, &format!("{path}[{index}]"), wanted, found);
+            }
+        }
+        _ => {}
+    }
 }
 
 fn join(path: &str, key: &str) -> String {

@@ -111,11 +111,14 @@ impl Solution {
 
     /// Whether it may be that of a scene with sources.
     pub fn allows_sources(&self) -> bool {
-        match self {
-            Self::Uniform { .. } | Self::Affine { .. } | Self::Expression(_) => true,
-            Self::ContinuousPointSource(_) | Self::HeatedSlab(_) => true,
-            _ => false,
-        }
+        matches!(
+            self,
+            Self::Uniform { .. }
+                | Self::Affine { .. }
+                | Self::ContinuousPointSource(_)
+                | Self::HeatedSlab(_)
+                | Self::Expression(_)
+        )
     }
 
     /// The value at position `x` (m) and time `t` (s).

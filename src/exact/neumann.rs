@@ -58,10 +58,11 @@ pub struct NeumannSetup {
 /// With n the phase next to the wall, f the one far from it, and z the depth (m), the front is at
 /// X = 2 lambda sqrt(D_n t), and with m = lambda sqrt(D_n / D_f)
 /// - up to it T = Tw + (Tm - Tw) erf(z / (2 sqrt(D_n t))) / erf(lambda),
-/// - beyond it T = T0 + (Tm - T0) erfc(z / (2 sqrt(D_f t))) / erfc(m),
-/// - sqrt(pi) L lambda sqrt(D_n) = e_n |Tw - Tm| exp(-lambda^2) / erf(lambda)
-///   - e_f |Tm - T0| exp(-m^2) / erfc(m), which is the balance of energy at the front, with e the
-///   effusivity sqrt(k rho c).
+/// - beyond it T = T0 + (Tm - T0) erfc(z / (2 sqrt(D_f t))) / erfc(m);
+///
+/// and the balance of energy at the front, with e the effusivity sqrt(k rho c), gives lambda:
+/// sqrt(pi) L lambda sqrt(D_n) + e_f |Tm - T0| exp(-m^2) / erfc(m)
+/// = e_n |Tw - Tm| exp(-lambda^2) / erf(lambda).
 ///
 /// A body that starts at the melting temperature stays there beyond the front: Stefan's one-phase
 /// solution. Nothing moves, so that a unit volume melts to a unit volume, whatever the densities.

@@ -76,11 +76,14 @@ enum BodySpec {
 /// What conducts heat in one phase.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object")]
+#[schemars(extend("required" = ["conductivity", "capacity"]))]
 struct PhaseSpec {
     /// W/(m K)
-    conductivity: Number,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    conductivity: Option<Number>,
     /// Capacity rho c of a unit volume, J/(m3 K).
-    capacity: Number,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    capacity: Option<Number>,
 }
 
 /// A phase as given, or that of the only material.
@@ -105,8 +108,12 @@ fn phase(
 
 impl PhaseSpec {
     fn resolve(&self, setting: &Setting<'_>, key: &str) -> Result<Phase, CaseError> {
-        let positive = |part: &str, number: &Number| {
-            setting.evaluator.positive(&format!("exact.{key}.{part}"), number)
+        let positive = |part: &str, number: &Option<Number>| {
+            let path = format!("exact.{key}.{part}");
+            match number {
+                Some(number) => setting.evaluator.positive(&path, number),
+                None => Err(CaseError::MissingKey { path }),
+            }
         };
         Ok(Phase {
             conductivity: positive("conductivity", &self.conductivity)?,

@@ -86,10 +86,13 @@ fn bad_parameters_of_a_body_that_melts() {
         ("/wall", json!(400), "exact.wall: is 400, must be above or below the melting temperature"),
         ("/wall", Value::Null, "exact.wall: missing key: the face x_min has no wall"),
         ("/axis", json!("z"), "exact.axis: unknown name \"z\""),
+        ("/axis", json!("w"), "exact.axis: unknown name \"w\"; did you mean"),
+        ("/name", json!("x"), "exact.name: unknown name \"x\""),
         ("/body", json!("beside"), "exact.body: unknown name \"beside\""),
         ("/initial", json!(401), "exact.initial: is 401, must be at most the melting temperature"),
         ("/solid/conductivity", json!(0), "exact.solid.conductivity: is 0, must be positive"),
         ("/liquid/capacity", json!(-1), "exact.liquid.capacity: is -1, must be positive"),
+        ("/liquid/capacity", Value::Null, "exact.liquid.capacity: missing key"),
         ("/liquid/density", json!(1), "exact.liquid.density: unknown key"),
     ] {
         refused(&changed(&neumann(), key, &value), &[], expected);
