@@ -371,3 +371,49 @@ fn explicit_steps_are_bounded_by_the_least_capacity() {
     let ratio = bound(&light) / bound(&even);
     assert!(ratio > 50.0 && ratio <= 100.0, "{ratio}");
 }
+
+/// Three layers with a resistance between the first two, the middle one two spacings thin.
+fn layers_in_contact(support_ratio: f64, contacts: bool) -> Value {
+    let bar = |from: f64, to: f64, material: &str| json!({ "shape": { "box": { "min": [from], "max": [to] } }, "material": material });
+    let material = |conductivity: f64| json!({ "conductivity": conductivity, "density": 1000, "heat_capacity": 1 });
+    let mut case = json!({
+        "title": "layers", "dimension": 1,
+        "particles": { "spacing": 0.025,
+            "fill": [bar(0.0, 0.4, "one"), bar(0.4, 0.45, "two"), bar(0.45, 1.0, "three")] },
+        "kernel": { "name": "cubic_spline", "support_ratio": support_ratio },
+        "materials": { "one": material(1.0), "two": material(0.02), "three": material(10.0) },
+        "initial": [{ "value": 300 }],
+        "boundaries": [
+            { "wall": { "faces": ["x_min"], "kind": { "value": 400 } } },
+            { "wall": { "faces": ["x_max"], "kind": { "value": 300 } } }
+        ],
+        "time": { "end": 1, "method": "steady", "linear_tolerance": 1e-12 },
+        "exact": { "name": "layers", "axis": "x", "layers": [
+            { "material": "one", "to": 0.4 },
+            { "material": "two", "to": 0.45 },
+            { "material": "three" }
+        ] }
+    });
+    if contacts {
+        case["contacts"] = json!([{ "between": ["two", "one"], "resistance": 0.7 }]);
+        case["exact"]["layers"][0]["resistance"] = json!(0.7);
+    }
+    case
+}
+
+#[test]
+fn steady_layers_are_exact_for_every_support_and_with_contacts() {
+    for (support_ratio, contacts) in [(2.0, false), (2.0, true), (3.5, false), (3.5, true)] {
+        let scene = load(&layers_in_contact(support_ratio, contacts))
+            .unwrap_or_else(|error| panic!("{error}"));
+        for path in [PathWish::Lattice, PathWish::List] {
+            let (report, _) = run_on(&scene, path);
+            let error = report.error.expect("layers").linf;
+            assert!(error < 1e-8, "{support_ratio}, {contacts}, {path:?}: {error:e}");
+        }
+    }
+    // Off the lattice nobody knows where the layers meet: half way is wrong for wide supports.
+    let mut scene = load(&layers_in_contact(3.5, false)).expect("a case");
+    scene.problem.particles.position[3].x += 1e-3;
+    assert!(run(&scene).error.expect("layers").linf > 1.0);
+}

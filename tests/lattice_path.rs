@@ -215,13 +215,14 @@ fn shipped_cases_take_the_path_that_they_can() {
             ],
             "gaussian" => &["particles.spacing=5", "time.step=4e4", "output={}", "probes=[]"],
             "hot_inclusion" => &["time.end=1", "output={}", "probes=[]"],
+            "freezing_pipe" => &["time.end=60", "output={}", "probes=[]"],
             "constant_column" | "affine_column" => &["time.end=225*400", "output={}"],
             _ => &[],
         };
         let taken = report(&name, PathWish::Auto, coarse);
         let round = ["annulus", "annulus_steady", "sphere_cooling", "sphere_convection"];
         // See tests/mixed_path.rs.
-        let others = ["patches", "contact", "hot_inclusion"];
+        let others = ["patches", "contact", "hot_inclusion", "freezing_pipe"];
         let is_mixed = round.contains(&name.as_str()) || others.contains(&name.as_str());
         assert_eq!(taken.path, if is_mixed { "mixed" } else { "lattice" }, "{name}");
         if is_mixed {
@@ -239,6 +240,8 @@ fn shipped_cases_take_the_path_that_they_can() {
             "fin",
             "rod",
             "square",
+            "melting_rod",
+            "laser_track",
         ];
         assert_eq!(left("sorting into cells"), !walled.contains(&name.as_str()), "{name}");
         let general = report(&name, PathWish::List, coarse);

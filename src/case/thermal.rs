@@ -47,17 +47,30 @@ pub(super) fn impose_potentials(problem: &mut Problem) -> Result<(), CaseError> 
              temperature and that do not melt",
         );
     }
-    let curves: Vec<_> = problem.particles.material.iter().map(|&m| usize::from(m)).collect();
-    let first = problem.materials[curves[0]].curve.clone();
-    let Some(curve) = first.filter(|_| curves.iter().all(|&m| m == curves[0])) else {
-        return refuse(
-            "materials",
-            "where a conductivity depends on temperature or a material melts, there can be one material alone",
-        );
-    };
-    let holds = |wall: &&mut Wall| wall.condition.kind == WallKind::Value;
-    for wall in problem.walls.iter_mut().filter(holds) {
-        let (curve, temperature) = (curve.clone(), wall.condition.imposed.clone());
+    let (domain, cutoff) = (problem.domain, problem.kernel.cutoff());
+    let particles = &problem.particles;
+    for wall in &mut problem.walls {
+        if wall.condition.kind != WallKind::Value {
+            continue;
+        }
+        let near = particles.position.iter().zip(&particles.material);
+        let mut near =
+            near.filter(|(x, _)| wall.face.distance(&domain, **x) < cutoff).map(|(_, m)| *m);
+        let Some(first) = near.next() else {
+            continue;
+        };
+        let first = &problem.materials[usize::from(first)];
+        if near.any(|material| !problem.materials[usize::from(material)].shares_curve(first)) {
+            return refuse(
+                &wall.name,
+                "a wall that holds the temperature of several materials, of which one's conductivity depends \
+                 on temperature or which melts: hold particles instead",
+            );
+        }
+        let Some(curve) = first.curve.clone() else {
+            continue;
+        };
+        let temperature = wall.condition.imposed.clone();
         let depends = [temperature.depends_on_position(), temperature.depends_on_time()];
         let text = temperature.text().to_owned();
         let potential = move |x, t| curve.potential_at(temperature.at(x, t));

@@ -175,6 +175,15 @@ impl Problem {
             && self.particles.material.iter().any(curved)
     }
 
+    /// Whether all particles follow the same curve, or none.
+    pub fn has_one_curve(&self) -> bool {
+        let material = |m: &u16| &self.materials[usize::from(*m)];
+        let Some(first) = self.particles.material.first().map(material) else {
+            return true;
+        };
+        self.particles.material.iter().all(|m| material(m).shares_curve(first))
+    }
+
     /// The curve of a particle's material, if it has one.
     pub fn curve(&self, particle: usize) -> Option<&HeatCurve> {
         self.materials[usize::from(self.particles.material[particle])].curve.as_deref()
@@ -216,10 +225,16 @@ impl Problem {
     }
 
     /// How much faster than its state a potential can change, at most: what explicit steps have to be
-    /// shorter by. 1 without curves.
+    /// shorter by. Where materials meet it bounds the flow between them as well. 1 without curves.
     pub fn largest_slope(&self) -> f64 {
-        let curves = self.materials.iter().filter_map(|material| material.curve.as_deref());
-        curves.map(HeatCurve::largest_slope).fold(1.0, f64::max)
+        let curves = || self.materials.iter().filter_map(|material| material.curve.as_deref());
+        let slope = curves().map(HeatCurve::largest_slope).fold(1.0, f64::max);
+        if self.materials.len() == 1 {
+            return slope;
+        }
+        let conduction = curves().map(HeatCurve::largest_conductivity_ratio).fold(1.0, f64::max);
+        let warming = curves().map(HeatCurve::largest_warming).fold(1.0, f64::max);
+        slope.max(conduction * warming)
     }
 
     /// The largest diffusivity of any material, m2/s.

@@ -57,7 +57,7 @@ fn the_names_are_those_that_readers_rely_on() {
         keys(&json).join(" "),
         "report_version case title diffusph_version backend adapter precision why_precision dimension \
          particles path method why_method steps steps_refused operator_applications dt dt_largest dt_limit simulated_s wall_s updates_per_s \
-         memory_bytes field conserved density error probes left_out warnings"
+         memory_bytes field conserved front density error probes left_out warnings"
     );
     for (place, names) in [
         ("/wall_s", "setup solve output"),

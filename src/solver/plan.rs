@@ -257,6 +257,9 @@ impl Plan {
         }
         if problem.time.end > 0.0 {
             passes.extend(self.step_passes());
+            if problem.has_curves() {
+                passes.push("enthalpy");
+            }
         }
         passes
     }
@@ -297,7 +300,9 @@ impl Plan {
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         };
-        of_operator + self.bytes_of_sources(problem)
+        // An enthalpy, and the copy of it that a run falls back to.
+        let enthalpy = if problem.has_curves() { 2 * particles * state } else { 0 };
+        of_operator + enthalpy + self.bytes_of_sources(problem)
     }
 
     /// What a run does without.

@@ -11,7 +11,8 @@ const BAD: &[(&[&str], &str)] = &[
     (
         &["materials.rock.diffusivty=1"],
         "materials.rock.diffusivty: unknown key; did you mean \"diffusivity\"? \
-         (known: diffusivity, conductivity, density, heat_capacity)",
+         (known: diffusivity, conductivity, density, heat_capacity, melting_temperature, latent_heat, \
+         liquid)",
     ),
     (&["titel=a"], "titel: unknown key; did you mean \"title\"?"),
     (&["title=null"], "title: "),

@@ -219,6 +219,19 @@ impl HeatCurve {
         ends.map(just_below).chain(starts).fold(0.0, f64::max)
     }
 
+    /// The largest dT / d theta.
+    pub fn largest_warming(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.warming).fold(0.0, f64::max)
+    }
+
+    /// The largest conductivity over the reference.
+    pub fn largest_conductivity_ratio(&self) -> f64 {
+        let ends = self.segments.iter().skip(1).map(|segment| segment.start.next_down());
+        let starts = self.segments.iter().map(|segment| segment.start);
+        let ratio = |enthalpy: f64| self.conductivity(enthalpy) / self.reference;
+        starts.chain(ends).map(ratio).fold(0.0, f64::max)
+    }
+
     /// k at an enthalpy (K), W/(m K).
     pub fn conductivity(&self, enthalpy: f64) -> f64 {
         let segment = self.segment(enthalpy);

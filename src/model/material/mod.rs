@@ -54,6 +54,15 @@ impl Material {
         Self { name: name.into(), conductivity, capacity, curve, density }
     }
 
+    /// Whether its enthalpy follows the curve of another, or neither has one.
+    pub fn shares_curve(&self, other: &Self) -> bool {
+        match (&self.curve, &other.curve) {
+            (None, None) => true,
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+
     /// Whether its properties depend on temperature only by melting.
     pub fn is_constant_in_phases(&self) -> bool {
         self.curve.as_ref().is_none_or(|curve| curve.is_constant_in_phases())

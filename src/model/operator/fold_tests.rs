@@ -308,7 +308,10 @@ fn the_fold_alone_and_the_assembled_rows_agree() {
     by_rank.order = (0..by_rank.order.len() as u32).collect();
     let ranked = assembled.by_rank(&state);
     let mut rate = by_rank.rate(&ranked);
-    for &(row, neighbor, weight) in &fold.weight {
+    // Both know where materials meet.
+    let twice = wall_fold(&bare, &cell_grid(&bare)).weight;
+    let twice = twice.iter().map(|&(row, neighbor, weight)| (row, neighbor, -weight));
+    for (row, neighbor, weight) in fold.weight.iter().copied().chain(twice) {
         let difference = ranked[neighbor as usize] - ranked[row as usize];
         rate[row as usize] += weight * difference;
     }

@@ -104,7 +104,7 @@ impl<'a> Interfaces<'a> {
     /// The material at a site, which may lie beyond the ends of a periodic axis.
     fn at(&self, at: [i64; 3]) -> u16 {
         let mut site = 0;
-        for axis in (0..3).rev() {
+        for axis in (0..self.problem.dimension).rev() {
             let count = self.counts[axis] as i64;
             let is_periodic = self.problem.domain.periodic[axis];
             let place = if is_periodic { at[axis].rem_euclid(count) } else { at[axis] };

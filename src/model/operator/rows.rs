@@ -322,7 +322,7 @@ pub fn density(problem: &Problem) -> Vec<f64> {
 
 /// The cells in equal runs, one a parallel task. They do not depend on the number of threads, so
 /// that neither do results.
-fn tasks(grid: &CellGrid<'_>) -> Vec<Range<usize>> {
+pub(super) fn tasks(grid: &CellGrid<'_>) -> Vec<Range<usize>> {
     let cells = grid.layout().count();
     (0..cells)
         .step_by(CELLS_PER_TASK)

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::operator::CpuOperator;
 use crate::model::material::Segment;
+use crate::model::operator::Seams;
 use crate::model::wide::{self, Work, multiply_add};
 use crate::model::{HeatCurve, Problem};
 
@@ -17,6 +18,8 @@ const MOST_PIECES: usize = 4;
 pub(super) struct Enthalpy {
     pub(super) values: Vec<f64>,
     curves: Curves,
+    /// Where materials meet.
+    seams: Option<Seams>,
 }
 
 /// Which curve each place has.
@@ -31,9 +34,8 @@ impl Enthalpy {
     /// The initial state of `problem` in the order of `operator`.
     pub(super) fn new(problem: &Problem, operator: &dyn CpuOperator) -> Self {
         let material = &problem.particles.material;
-        let curve = |m: u16| problem.materials[usize::from(m)].curve.clone();
-        let first = curve(material[0]);
-        let same = material.iter().all(|&m| m == material[0] || curve(m) == first);
+        let first = problem.materials[usize::from(material[0])].curve.clone();
+        let same = problem.has_one_curve();
         let curves = match first.filter(|_| same) {
             Some(curve) => {
                 let pieces = Pieces::of(&curve);
@@ -46,7 +48,36 @@ impl Enthalpy {
                 Curves::Each { of, curves }
             }
         };
-        Self { values: operator.by_place(&problem.initial), curves }
+        let places = operator.by_place(&(1..=material.len()).map(|p| p as f64).collect::<Vec<_>>());
+        let mut place = vec![0; material.len()];
+        for (at, &particle) in (0..).zip(&places) {
+            if particle > 0.0 {
+                place[particle as usize - 1] = at;
+            }
+        }
+        let seams = Seams::of(problem, &place);
+        Self { values: operator.by_place(&problem.initial), curves, seams }
+    }
+
+    /// Whether different materials meet.
+    pub(super) fn has_seams(&self) -> bool {
+        self.seams.is_some()
+    }
+
+    /// Adds what the matrix does not know of flows between materials to `rates`; returns what held particles
+    /// gave beyond what it knows, value x capacity / s.
+    pub(super) fn add_seams(&self, rates: &mut [f64]) -> f64 {
+        let state = |place: usize| self.values[place];
+        self.seams.as_ref().map_or(0.0, |seams| seams.add(state, 1.0, rates))
+    }
+
+    /// The same for what changes with a change `x` of the state.
+    pub(super) fn add_change_of_seams(&self, x: &[f64], rates: &mut [f64]) -> f64 {
+        let Some(seams) = &self.seams else {
+            return 0.0;
+        };
+        let before = seams.add(|place| self.values[place], -1.0, rates);
+        before + seams.add(|place| self.values[place] + x[place], 1.0, rates)
     }
 
     /// The values, K.
@@ -96,7 +127,8 @@ impl Enthalpy {
             Curves::One(..) => 0,
             Curves::Each { of, .. } => size_of_val(&**of),
         };
-        size_of_val(&*self.values) + curves
+        let seams = self.seams.as_ref().map_or(0, Seams::memory_bytes);
+        size_of_val(&*self.values) + curves + seams
     }
 }
 

@@ -168,6 +168,9 @@ impl Backend for CpuBackend {
         let mut rates = vec![0.0; self.state.len()];
         let now = Now::state(&self.state, &self.source);
         operator::apply(&*self.operator, &now, &mut rates, RATE);
+        if let Some(enthalpy) = &self.enthalpy {
+            enthalpy.add_seams(&mut rates);
+        }
         Ok(self.field(&rates))
     }
 
@@ -225,6 +228,9 @@ impl Backend for CpuBackend {
         self.update_source(time);
         let now = Now::state(&self.state, &self.source);
         out.given = operator::apply(&*self.operator, &now, &mut out.values, RATE);
+        if let Some(enthalpy) = &self.enthalpy {
+            out.given += enthalpy.add_seams(&mut out.values);
+        }
         Ok(())
     }
 
@@ -346,6 +352,7 @@ impl Backend for CpuBackend {
         enthalpy.potential_change(&x.values, &self.state, &mut self.next);
         let now = Now::change(&self.next);
         out.given = operator::apply(&*self.operator, &now, &mut out.values, RATE);
+        out.given += enthalpy.add_change_of_seams(&x.values, &mut out.values);
         Ok(())
     }
 

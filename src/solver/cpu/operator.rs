@@ -67,7 +67,7 @@ pub(super) trait CpuOperator: Send + Sync {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        let given = self.apply(now, out, RATE);
+        let given = self.apply(now, out, RATE) + enthalpy.add_seams(out);
         enthalpy.advance(out, dt);
         given
     }

@@ -124,6 +124,9 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
+        if !problem.has_one_curve() {
+            return Err(SolverError::SeveralCurves);
+        }
         let needs = Needs::of(problem);
         let scaling = Scaling::new(problem, dt, needs.coefficients);
         let mut choices = choices(problem, needs, options);
@@ -187,6 +190,9 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
+        if !problem.has_one_curve() {
+            return Err(SolverError::SeveralCurves);
+        }
         let real = options.precision.real();
         device.require(real)?;
         let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));

@@ -103,6 +103,12 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         dt: f64,
     ) -> f64 {
         let task = self.task();
+        if enthalpy.has_seams() {
+            let given = self.apply(now, out, RATE) + enthalpy.add_seams(out);
+            self.0.clear_absent(0, out);
+            enthalpy.advance(out, dt);
+            return given;
+        }
         let (curves, values) = enthalpy.parts();
         let scratch = || Scratch::new(self.0.scene());
         let advance =
