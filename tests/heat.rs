@@ -7,9 +7,13 @@ use diffusph::model::Problem;
 use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
-use diffusph::solver::{Backend, Machine, PathWish};
+use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use diffusph::study::{self, RunOptions};
 use serde_json::{Value, json};
+
+#[expect(dead_code, reason = "the tests of the passes use the rest")]
+#[path = "gpu_passes/support.rs"]
+mod support;
 
 fn shipped(name: &str, overrides: &[&str]) -> Scene {
     let own = ["output={}", "probes=[]"].iter().chain(overrides);
@@ -74,6 +78,40 @@ fn the_rod_is_second_order_and_as_good_as_known() {
     assert!(a.iter().zip(&c).all(|(a, c)| (a - c).abs() < 1e-10));
     let ratio = lattice.conserved.last / report.conserved.last;
     assert!((ratio / (19300.0 * 129.0) - 1.0).abs() < 1e-12, "{ratio}");
+}
+
+#[test]
+fn the_square_has_the_known_errors() {
+    let known = [(10, 5.0e-2), (20, 1.24e-2), (40, 3.1e-3), (80, 7.7e-4)];
+    let tolerance = ["time.method=rkl2", "time.tolerance.relative=1e-7"];
+    let mut errors = Vec::new();
+    for (n, known) in known {
+        let spacing = format!("particles.spacing=0.1/{n}");
+        let keys: Vec<&str> = std::iter::once(&*spacing).chain(tolerance).collect();
+        let error = l2(&run(&shipped("square", &keys)));
+        assert!((error / known - 1.0).abs() < 0.05, "n = {n}: {error:e}");
+        errors.push(error);
+    }
+    assert_order_two(&errors[1..]);
+}
+
+#[test]
+fn the_rod_and_the_square_are_the_same_on_a_gpu() {
+    let keys = [["particles.spacing=0.1/40"], ["particles.spacing=0.1/20"]];
+    for (name, keys) in ["rod", "square"].into_iter().zip(keys) {
+        let scene = shipped(name, &keys);
+        let expected = l2(&run(&scene));
+        for path in [PathWish::Lattice, PathWish::List] {
+            for (precision, most) in [(Precision::F64, 1e-9), (Precision::Compensated, 1e-3)] {
+                let machine = Machine::Gpu { device: support::device().clone(), precision };
+                let options = RunOptions { path, ..RunOptions::new(&machine) };
+                let outcome = study::run(&scene, &options, &mut |_| ControlFlow::Continue(()));
+                let found = l2(&outcome.expect("it runs").report);
+                let off = (found / expected - 1.0).abs();
+                assert!(off < most, "{name}, {path:?}, {}: {off:e}", precision.name());
+            }
+        }
+    }
 }
 
 #[test]
@@ -412,6 +450,18 @@ fn steady_layers_are_exact_for_every_support_and_with_contacts() {
             assert!(error < 1e-8, "{support_ratio}, {contacts}, {path:?}: {error:e}");
         }
     }
+    // Beside an insulated wall along the layers the contact goes on.
+    let mut sheet = layers_in_contact(2.0, true);
+    sheet["dimension"] = json!(2);
+    for fill in sheet["particles"]["fill"].as_array_mut().expect("fills") {
+        let bar = &mut fill["shape"]["box"];
+        bar["min"].as_array_mut().expect("a point").push(json!(0));
+        bar["max"].as_array_mut().expect("a point").push(json!(0.2));
+    }
+    let insulated = json!({ "wall": { "faces": ["y_min", "y_max"], "kind": "insulated" } });
+    sheet["boundaries"].as_array_mut().expect("walls").push(insulated);
+    let error = run(&load(&sheet).expect("a case")).error.expect("layers").linf;
+    assert!(error < 1e-7, "{error:e}");
     // Off the lattice nobody knows where the layers meet: half way is wrong for wide supports.
     let mut scene = load(&layers_in_contact(3.5, false)).expect("a case");
     scene.problem.particles.position[3].x += 1e-3;

@@ -265,6 +265,8 @@ fn a_gpu_melts_as_the_cpu_does() {
                     precision.name(),
                     report.conserved.relative_drift
                 );
+                let drift = report.conserved.relative_drift.abs();
+                assert!(drift < if precision == Precision::F32 { 1e-4 } else { 1e-8 }, "{drift:e}");
                 assert!(worst < most, "{method} {path:?} {}: {worst:e} K", precision.name());
             }
         }
@@ -367,6 +369,10 @@ fn what_makes_no_sense_is_refused() {
         "materials.m.conductivity[0][1]: is -5, must be positive",
     );
     refused(material("conductivity", json!("350 - T")), "must be positive and finite at T = ");
+    refused(
+        material("conductivity", json!("((T - 350)/10)^2 - 1")),
+        "must be positive and finite at T = ",
+    );
     refused(material("conductivity", json!("5 + x")), "\"x\" has no meaning here");
     refused(
         |case| {
@@ -382,21 +388,106 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
+fn far_longer_steps_than_explicit_ones_still_converge() {
+    for table in [json!([[300, 100], [400, 100.001]]), json!([[300, 100], [400, 5]])] {
+        let mut case = slab(&table, 2.0);
+        case.as_object_mut().expect("an object").remove("exact");
+        // Up to 8e4 times what explicit steps may take.
+        case["time"] = json!({ "end": 100, "method": "tr_bdf2", "step": 10 });
+        let (report, _) = run(&load(&case).expect("a case"));
+        assert!(report.operator_applications < 10_000, "{}", report.operator_applications);
+        assert!(report.conserved.relative_drift.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_body_that_heats_up_leaves_the_temperatures_that_the_case_names() {
+    let mut case = slab(&json!("5*(1 + (T - 300)/1000)"), 2.0);
+    case.as_object_mut().expect("an object").remove("exact");
+    case["boundaries"] = json!([{ "wall": { "faces": ["x_min"], "kind": { "flux": 2e4 } } }]);
+    case["time"] = json!({ "end": 20, "method": "euler" });
+    let (report, _) = run(&load(&case).expect("a case"));
+    assert!(report.field.max > 700.0, "{:?}", report.field);
+}
+
+#[test]
+fn on_a_body_with_holes_an_expression_goes_with_every_method() {
+    let shape = json!({ "difference": {
+        "of": { "box": { "min": [0, 0], "max": [1, 1] } },
+        "minus": [{ "sphere": { "center": [0.5, 0.5], "radius": 0.3 } }]
+    } });
+    for method in ["euler", "rkl2", "tr_bdf2"] {
+        let mut case = slab(&json!("5*(1 + (T - 300)/1000)"), 2.0);
+        case.as_object_mut().expect("an object").remove("exact");
+        case["dimension"] = json!(2);
+        case["particles"]["fill"][0]["shape"] = shape.clone();
+        case["time"] = json!({ "end": 20, "method": method });
+        let scene = load(&case).expect("a case");
+        let (report, _) = run_on(&scene, &Machine::Cpu, PathWish::Lattice);
+        assert_eq!(report.path, "mixed");
+        assert!(report.field.max < 400.0 && report.field.min >= 299.999, "{:?}", report.field);
+        assert!(report.conserved.relative_drift.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_conductivity_of_temperature_and_another_material_share_a_flow() {
+    // Where they meet u = T - 300 has 3 (200 - u) / 0.4 = 10 (u + u^2 / 200) / 0.6.
+    let u = 100.0 * ((1.45_f64 * 1.45 + 1.8).sqrt() - 1.45);
+    let flow = 3.0 * (200.0 - u) / 0.4;
+    assert!((10.0 * (u + u * u / 200.0) / 0.6 / flow - 1.0).abs() < 1e-12, "{u}");
+    let error = |spacing: f64, conductivity: Value| {
+        let bar = |from: f64, to: f64, material: &str| json!({ "shape": { "box": { "min": [from], "max": [to] } }, "material": material });
+        let right = format!("200 + 100*sqrt(1 + 0.02*{flow}*(1 - x)/10)");
+        let scene = load(&json!({
+            "title": "two", "dimension": 1,
+            "particles": { "spacing": spacing, "fill": [bar(0.0, 0.4, "left"), bar(0.4, 1.0, "right")] },
+            "kernel": { "name": "cubic_spline", "support_ratio": 2 },
+            "materials": {
+                "left": { "conductivity": 3, "density": 1000, "heat_capacity": 1 },
+                "right": { "conductivity": conductivity, "density": 1000, "heat_capacity": 1 }
+            },
+            "initial": [{ "value": 300 }],
+            "boundaries": [
+                { "wall": { "faces": ["x_min"], "kind": { "value": 500 } } },
+                { "wall": { "faces": ["x_max"], "kind": { "value": 300 } } }
+            ],
+            "exact": { "name": "expression",
+                "value": format!("(1 - step(x - 0.4))*(500 - {flow}*x/3) + step(x - 0.4)*({right})") },
+            "time": { "end": 5000, "method": "tr_bdf2", "tolerance": { "relative": 1e-7 } }
+        }));
+        run(&scene.unwrap_or_else(|error| panic!("{error}"))).0.error.expect("exact").linf
+    };
+    let table = json!([[300, 10], [500, 30]]);
+    let errors = [0.05, 0.025, 0.0125].map(|spacing| error(spacing, table.clone()));
+    assert!(
+        errors[0] < 0.5 && errors[1] < 0.3 * errors[0] && errors[2] < 0.3 * errors[1],
+        "{errors:?}"
+    );
+    assert!(error(0.05, json!([[300, 10], [500, 27]])) > 1.0, "another law is noticed");
+}
+
+#[test]
 fn a_conductivity_that_ends_is_named_with_the_temperature_and_the_particle() {
     let mut case = slab(&json!("2 - T/500"), 2.0);
     case.as_object_mut().expect("an object").remove("exact");
     case["sources"] = json!([{ "rate": 1e5 }]);
-    case["time"] = json!({ "end": 100, "method": "euler" });
-    let scene = load(&case).expect("a case");
-    let stopped = outcome(&scene, &Machine::Cpu, PathWish::Auto).stopped;
-    let Some(SolverError::ConductivityUnknown { temperature, particle, material, limits, .. }) =
-        &stopped
-    else {
-        panic!("{stopped:?}");
-    };
-    assert!(*temperature > limits[1] && limits[1] <= 1000.0 && material == "m" && *particle < 20);
-    let text = stopped.expect("it stopped").to_string();
-    assert!(text.contains("reached T = ") && text.contains("particle"), "{text}");
+    for method in ["euler", "rkl2", "tr_bdf2"] {
+        case["time"] = json!({ "end": 100, "method": method });
+        let scene = load(&case).expect("a case");
+        let stopped = outcome(&scene, &Machine::Cpu, PathWish::Auto).stopped;
+        let Some(SolverError::ConductivityUnknown {
+            temperature, particle, material, limits, ..
+        }) = &stopped
+        else {
+            panic!("{stopped:?}");
+        };
+        assert!(*temperature > 0.99 * limits[1] && limits[1] <= 1000.0);
+        assert!(material == "m" && *particle < 20);
+        let text = stopped.expect("it stopped").to_string();
+        assert!(text.contains("reached T = ") && text.contains("particle"), "{text}");
+        assert!(!text.contains("  "), "{text}");
+    }
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
 use super::schema::Case;
 use super::source::resolve as resolve_sources;
-use super::thermal::{impose_potentials, range_of_values};
+use super::thermal::{check_contacts, impose_potentials, range_of_values};
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
 use crate::model::kernel::SUPPORT_MARGIN;
@@ -77,6 +77,8 @@ fn problem(
     time.breaks.sort_by(f64::total_cmp);
     time.breaks.dedup();
     warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
+    let range = range_of_values(&initial.value, &walls, &domain);
+    let materials = resolve_materials(case, &evaluator, Some(range))?;
     let setting = Setting {
         evaluator: &evaluator,
         domain: &domain,
@@ -87,8 +89,6 @@ fn problem(
         deposits: &initial.deposits,
     };
     let exact = solution(case, &setting, &particles.position, time.end)?;
-    let range = range_of_values(&initial.value, &walls, &domain);
-    let materials = resolve_materials(case, &evaluator, Some(range))?;
     let mut problem = Problem {
         dimension: evaluator.dimension,
         spacing,
@@ -108,6 +108,7 @@ fn problem(
         time,
     };
     impose_potentials(&mut problem)?;
+    check_contacts(&problem)?;
     warn_of_growth(&problem, warnings);
     Ok((problem, exact))
 }

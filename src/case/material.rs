@@ -116,8 +116,11 @@ impl JsonSchema for MeltingTemperature {
 /// How far a table for an expression may be from it, of the conductivity.
 const STRAIGHT: f64 = 1e-6;
 
-/// How far beyond the known temperatures an expression is looked at, in ranges of them.
-const BEYOND: f64 = 2.0;
+/// How far an expression is looked at: to so many times the largest temperature that is known.
+const BEYOND: f64 = 10.0;
+
+/// At how many temperatures that the scene has an expression is tried.
+const TRIALS: u32 = 1000;
 
 impl MaterialSpec {
     /// Whether it has what heat needs.
@@ -269,15 +272,18 @@ impl ConductivitySpec {
         let Some([least, most]) = range else {
             return Ok(Conductivity::constant(1.0));
         };
-        for temperature in [least, most] {
+        for trial in 0..=TRIALS {
+            let temperature = least + (most - least) * f64::from(trial) / f64::from(TRIALS);
             let value = function(temperature);
             let requirement =
                 format!("positive and finite at T = {temperature} K, which the scene has");
             in_range(path, value, value > 0.0 && value.is_finite(), &requirement)?;
         }
-        let width = BEYOND * (most - least).max(0.01 * most.abs()).max(1.0);
-        let (points, limits) =
-            straightened(&*function, [least - width, most + width], [least, most], STRAIGHT);
+        let size = least.abs().max(most.abs()).max(1.0);
+        // Above absolute zero, where temperatures are absolute.
+        let from = if least > 0.0 { least / BEYOND } else { least - BEYOND * size };
+        let range = [from, BEYOND * size];
+        let (points, limits) = straightened(&*function, range, [least, most], STRAIGHT);
         Ok(Conductivity::of_points(points).within_limits(limits))
     }
 }

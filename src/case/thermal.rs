@@ -1,6 +1,7 @@
 //! What properties that depend on temperature ask of the rest of a case.
 
 use super::error::CaseError;
+use crate::model::lattice::sites_with_particles;
 use crate::model::{Domain, Problem, ScalarField, Wall, WallKind};
 
 /// The least and the greatest of the initial values and of what walls hold at t = 0, K.
@@ -76,6 +77,29 @@ pub(super) fn impose_potentials(problem: &mut Problem) -> Result<(), CaseError> 
         let potential = move |x, t| curve.potential_at(temperature.at(x, t));
         wall.condition.imposed =
             ScalarField::new(text, potential).depending_on(depends[0], depends[1]);
+    }
+    Ok(())
+}
+
+/// Refuses contact resistances where nobody knows where materials meet, or what conducts changes.
+pub(super) fn check_contacts(problem: &Problem) -> Result<(), CaseError> {
+    if problem.contacts.is_empty() {
+        return Ok(());
+    }
+    let refuse = |reason: &str| {
+        Err(CaseError::Thermal { path: "contacts".to_owned(), reason: reason.to_owned() })
+    };
+    if problem.has_curves() {
+        return refuse(
+            "a contact resistance needs materials whose conductivity does not depend on temperature and that do \
+             not melt",
+        );
+    }
+    if sites_with_particles(problem).is_none() {
+        return refuse(
+            "the particles are on no common lattice: let all fills begin whole spacings apart, so that it is known \
+             where materials meet",
+        );
     }
     Ok(())
 }

@@ -196,8 +196,11 @@ impl Problem {
 
     /// Whether a particle is of a material that melts.
     pub fn melts(&self) -> bool {
-        let melts = |m: &&Material| m.curve.as_ref().is_some_and(|curve| curve.melting().is_some());
-        self.materials.iter().any(|material| melts(&material))
+        let melts = |m: &u16| {
+            let curve = self.materials[usize::from(*m)].curve.as_ref();
+            curve.is_some_and(|curve| curve.melting().is_some())
+        };
+        self.has_curves() && self.particles.material.iter().any(melts)
     }
 
     /// Values (temperatures) of particles in the state `state`.

@@ -103,8 +103,10 @@ impl<B: Backend> Adaptive<'_, B> {
         observer: &mut O,
         dt: f64,
     ) -> Result<(), O::Error> {
-        observer.last_state(self.time, backend.read()?.as_ref())?;
+        let state = backend.read()?;
+        observer.last_state(self.time, state.as_ref())?;
         let (step, time) = (self.taken.steps, self.time);
-        Err(SolverError::StepTooSmall { step, time, dt }.into())
+        let known = SolverError::of_temperatures(self.problem, state.as_ref(), step, time);
+        Err(known.unwrap_or(SolverError::StepTooSmall { step, time, dt }).into())
     }
 }

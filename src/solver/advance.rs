@@ -187,7 +187,9 @@ impl Run<'_> {
             }
             let clock = Instant::now();
             let count = self.chunk.min(end - self.step);
-            stepper.take(backend, time_at(self.step), segment.dt, count)?;
+            if let Err(error) = stepper.take(backend, time_at(self.step), segment.dt, count) {
+                return self.failed(backend, observer, error, time_at(self.step));
+            }
             backend.wait()?;
             let elapsed = clock.elapsed();
             self.adapt(count, elapsed);
@@ -217,11 +219,38 @@ impl Run<'_> {
             }
             let progress = Progress { step: self.step, steps: self.steps, time, still: self.still };
             if observer.progress(progress).is_break() && self.step < self.steps {
+                if looked < self.step && !backend.is_finite()? {
+                    let count = self.step - saved;
+                    self.step = saved;
+                    let start = time_at(saved);
+                    return self.diverged(backend, stepper, observer, start, segment.dt, count);
+                }
                 observer.last_state(time, backend.read()?.as_ref())?;
                 return Err(SolverError::Interrupted { step: self.step, time }.into());
             }
         }
         Ok(())
+    }
+
+    /// Steps that could not be taken, from about `time` (s) on: where a system did not converge since a
+    /// conductivity is not known, it says so.
+    fn failed<B: Backend, O: Observer>(
+        &self,
+        backend: &mut B,
+        observer: &mut O,
+        error: SolverError,
+        time: f64,
+    ) -> Result<(), O::Error> {
+        if matches!(error, SolverError::NotConverged { .. }) && self.problem.has_curves() {
+            let state = backend.read()?;
+            let step = self.step;
+            let known = SolverError::of_temperatures(self.problem, state.as_ref(), step, time);
+            if let Some(known) = known {
+                observer.last_state(time, state.as_ref())?;
+                return Err(known.into());
+            }
+        }
+        Err(error.into())
     }
 
     /// Aims the next chunk at [`CHUNK_TIME`].

@@ -8,6 +8,10 @@ use crate::model::Problem;
 use crate::model::operator::fold::Fault;
 use crate::model::operator::rows::Survey;
 
+/// A temperature so near an end of what is known of a conductivity, of that end, is one that a step would go
+/// beyond.
+const NEAR: f64 = 0.01;
+
 /// A run that could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum SolverError {
@@ -80,7 +84,9 @@ pub enum SolverError {
     },
     /// A temperature was reached at which a conductivity is not known to be positive.
     #[error(
-        "at step {step} (t = {time:.6e} s) particle {particle} at {position} reached T = {temperature:.6} K: the          conductivity of \"{material}\" is positive, and taken, from {:.6} to {:.6} K alone; a table of pairs          [T, conductivity] goes on beyond its ends", limits[0], limits[1]
+        "at step {step} (t = {time:.6e} s) particle {particle} at {position} reached T = {temperature:.6} K: the \
+         conductivity of \"{material}\" is positive, and taken, from {:.6} to {:.6} K alone; a table of pairs \
+         [T, conductivity] goes on beyond its ends", limits[0], limits[1]
     )]
     ConductivityUnknown {
         /// The step that reached it.
@@ -321,16 +327,19 @@ impl SolverError {
         }
     }
 
-    /// The first particle of `state` at whose temperature the conductivity is not known to be positive, where
-    /// a run has come to by `step` and `time` (s).
+    /// The particle of `state` that is furthest beyond, or nearest to, an end of what is known of its
+    /// conductivity, where a run has come to by `step` and `time` (s), if that is beyond or so near that a step
+    /// may have gone beyond.
     pub fn of_temperatures(problem: &Problem, state: &[f64], step: u64, time: f64) -> Option<Self> {
-        let (particle, temperature, limits) = (0..state.len()).find_map(|particle| {
+        let room = |particle: usize| {
             let curve = problem.curve(particle)?;
-            let temperature = curve.temperature(state[particle]);
-            let limits = curve.limits();
-            let is_known = limits[0] <= temperature && temperature <= limits[1];
-            (!is_known).then_some((particle, temperature, limits))
-        })?;
+            let (temperature, limits) = (curve.temperature(state[particle]), curve.limits());
+            let room = (temperature - limits[0]).min(limits[1] - temperature);
+            let near = NEAR * limits[0].abs().min(limits[1].abs());
+            (room < near).then_some((room, particle, temperature, limits))
+        };
+        let nearest = (0..state.len()).filter_map(room).min_by(|a, b| a.0.total_cmp(&b.0));
+        let (_, particle, temperature, limits) = nearest?;
         let material = usize::from(problem.particles.material[particle]);
         Some(Self::ConductivityUnknown {
             step,

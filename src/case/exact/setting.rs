@@ -60,6 +60,10 @@ impl Setting<'_> {
     pub(super) fn diffusivity(&self, number: &Option<Number>) -> Result<f64, CaseError> {
         match (number, self.materials) {
             (Some(number), _) => self.evaluator.positive("exact.diffusivity", number),
+            (None, [material]) if material.curve.is_some() => Err(undetermined(
+                "diffusivity",
+                "the material's properties depend on temperature".to_owned(),
+            )),
             (None, [material]) => Ok(material.diffusivity()),
             (None, materials) => Err(undetermined(
                 "diffusivity",

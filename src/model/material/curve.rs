@@ -123,9 +123,9 @@ impl HeatCurve {
         }
         if least.is_finite() {
             let [potential, start] = [self.potential_at(least), self.enthalpy(least)];
-            let mut first = *self.segment(start);
-            (first.slope, first.bend) = (self.slope(start), first.bend);
-            (first.start, first.temperature, first.potential) = (start, least, potential);
+            let slope = self.slope(start);
+            let first =
+                Segment { start, temperature: least, potential, slope, ..*self.segment(start) };
             self.segments.retain(|segment| segment.start > start);
             self.segments.splice(..0, [unknown(start - 1.0, least - 1.0), first]);
         }
@@ -249,9 +249,13 @@ impl HeatCurve {
     /// How much of it is liquid at an enthalpy (K), 0 to 1.
     pub fn liquid_fraction(&self, enthalpy: f64) -> f64 {
         let of_range = |[begins, ends]: [f64; 2]| {
-            // A range without width has no latent heat: then there is no fraction either.
-            let fraction = (enthalpy - begins) / (ends - begins);
-            fraction.clamp(0.0, 1.0)
+            // Where rounding leaves no width, what is above is liquid.
+            let above = enthalpy - begins;
+            if ends > begins {
+                (above / (ends - begins)).clamp(0.0, 1.0)
+            } else {
+                f64::from(above > 0.0)
+            }
         };
         self.melting.map_or(0.0, of_range)
     }

@@ -46,7 +46,9 @@ impl Seams {
         let weight = PairWeight::new(problem);
         let walk = Walk::new(problem, grid.order(), &weight);
         let material = |particle: usize| problem.particles.material[particle];
-        let has_curve = |m: u16| problem.materials[usize::from(m)].curve.is_some();
+        let shares_curve = |a: u16, b: u16| {
+            problem.materials[usize::from(a)].shares_curve(&problem.materials[usize::from(b)])
+        };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
             let mut found: Vec<(usize, Vec<(u32, u16, f64)>)> = Vec::new();
@@ -60,7 +62,7 @@ impl Seams {
                         let pair = |(k, n): (usize, &crate::model::neighbors::Neighbor)| {
                             let b = grid.order()[n.rank as usize] as usize;
                             let [of_a, of_b] = [material(row.a), material(b)];
-                            let meets = of_a != of_b && (has_curve(of_a) || has_curve(of_b));
+                            let meets = of_a != of_b && !shares_curve(of_a, of_b);
                             let is_held = row.held && problem.is_held(b);
                             let by_walls = row.fold.map_or(0.0, |fold| fold.weight[k]);
                             (meets && !is_held).then(|| {

@@ -89,7 +89,7 @@ impl<'a> PairWeight<'a> {
         self.interfaces.is_some()
     }
 
-    /// The same as if the materials met half way, as with ghosts.
+    /// The same as if the materials met half way.
     pub fn of(&self, a: usize, b: usize, dist: f64) -> f64 {
         let factor = self.factor[self.materials_of(a, b)];
         -self.particles.volume[b] * factor * (self.shape)(dist * self.inverse_radius)

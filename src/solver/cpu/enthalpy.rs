@@ -117,7 +117,9 @@ impl Enthalpy {
     pub(super) fn slope_root(&self, x: &[f64], out: &mut [f64]) {
         out.par_iter_mut().enumerate().for_each(|(place, out)| {
             let enthalpy = self.values[place] + x[place];
-            *out = self.curves.of(place).map_or(1.0, |curve| curve.slope(enthalpy).sqrt());
+            let root = self.curves.of(place).map_or(1.0, |curve| curve.slope(enthalpy).sqrt());
+            // Where there is no particle there is no temperature either.
+            *out = if root.is_nan() { 0.0 } else { root };
         });
     }
 

@@ -88,7 +88,8 @@ impl<B: Backend + 'static> Stepper<B> {
             }
             Method::TrBdf2 => {
                 let accuracy = linear.unwrap_or(LINEAR.max(finest));
-                Box::new(TrBdf2Steps::new(backend, problem, accuracy, preconditioner)?)
+                let largest = 2.0 / step.limits.safe;
+                Box::new(TrBdf2Steps::new(backend, problem, accuracy, preconditioner, largest)?)
             }
         };
         let Some(tolerance) = step.tolerance else {

@@ -51,12 +51,14 @@ pub struct TrBdf2Steps<B: Backend> {
 }
 
 impl<B: Backend> TrBdf2Steps<B> {
-    /// Linear systems are solved until no |r_a / M_aa| is above `accuracy`, of the largest value.
+    /// Linear systems are solved until no |r_a / M_aa| is above `accuracy`, of the largest value, and stages of
+    /// an enthalpy until no |r_a| is. No eigenvalue of -A is above `largest` (1/s).
     pub fn new(
         backend: &mut B,
         problem: &Problem,
         accuracy: f64,
         preconditioner: Preconditioner,
+        largest: f64,
     ) -> Result<Self, SolverError> {
         let imposed = match backend.is_source_changing() {
             true => Some([backend.vector()?, backend.vector()?]),
@@ -64,7 +66,7 @@ impl<B: Backend> TrBdf2Steps<B> {
         };
         let solve = match backend.is_linear() {
             true => Solve::Linear(LinearSolve::new(backend, problem, preconditioner)?),
-            false => Solve::Newton(Newton::new(backend)?),
+            false => Solve::Newton(Newton::new(backend, largest)?),
         };
         Ok(Self {
             solve,

@@ -143,7 +143,8 @@ impl<'a> Mirrors<'a> {
         if dist >= kernel.cutoff() {
             return 0.0;
         }
-        let weight = self.weight.of(a, b, dist);
+        // A face between cells that reaches the wall is crossed on the way to the ghost as well.
+        let weight = self.weight.between(a, b, dist);
         let beside = self.beside(image);
         let pair = GhostPair { a, b, image, to_ghost, weight: weight / beside.len() as f64 };
         beside.iter().map(|&beside| self.passed(&pair, beside, row)).sum()

@@ -127,6 +127,12 @@ fn inside(place: [f64; 3], dimension: usize) -> [f64; 3] {
 /// The lattice of a scene whose modes are known.
 fn lattice(problem: &Problem) -> Result<LatticeScene, String> {
     let lattice = LatticeScene::of(problem).map_err(str::to_owned)?;
+    if problem.has_curves() {
+        return Err(
+            "the case has a material that melts or whose conductivity depends on temperature"
+                .to_owned(),
+        );
+    }
     if !problem.held.is_empty() {
         return Err("the case holds the values of particles".to_owned());
     }
