@@ -7,8 +7,10 @@ use plotters::element::PathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::report::canvas::{self, Area, Drawn, FINE, Failure, GRID, INK, PAPER, font, line};
-use labels::{Frame, place, width_of};
+use crate::report::canvas::{
+    self, Area, Drawn, FINE, Failure, GRID, INK, PAPER, font, line, width_of,
+};
+use labels::{Frame, place};
 
 pub(super) use log_axis::{LogAxis, is_drawable};
 
