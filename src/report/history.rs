@@ -17,6 +17,9 @@ const HEIGHT: i32 = 430;
 /// Readings that a history keeps at most, the last one apart.
 const MOST_READINGS: usize = 2000;
 
+/// Dots up to this number are drawn over the exact solution, which they leave to be seen between them.
+const FEW_DOTS: usize = 60;
+
 /// Colours of traces; that of exact solutions is none of them.
 const COLORS: [RGBColor; HistoryPlot::MOST_TRACES] = [
     NUMERICAL,
@@ -148,15 +151,16 @@ impl HistoryPlot {
             .collect();
         let curves: Vec<Vec<(f64, f64)>> =
             traces.iter().map(|trace| on_axis(&trace.curve)).collect();
-        let mut layers = Vec::new();
+        let dense = dots.iter().any(|dots| dots.len() > FEW_DOTS);
+        let mut exact: Vec<_> = curves.iter().map(|of| Layer::Line(of, EXACT, 1.5)).collect();
+        let mut layers = if dense { Vec::new() } else { std::mem::take(&mut exact) };
         for (index, dots) in dots.iter().enumerate() {
             layers.push(Layer::Dots(dots, COLORS[index]));
             if curves[index].is_empty() {
                 layers.push(Layer::Line(dots, COLORS[index], 1.0));
             }
         }
-        // Curves come after all dots, which would hide them where they are dense.
-        layers.extend(curves.iter().map(|curve| Layer::Line(curve, EXACT, 1.5)));
+        layers.extend(exact);
         let mut entries: Vec<(Sign, &str)> = traces
             .iter()
             .zip(COLORS)
