@@ -167,10 +167,41 @@ fn what_is_written_is_read_back_and_repeats() {
         assert!(!page.contains(outside), "{outside} in the page");
     }
     assert!(page.contains(&command.replace('\'', "&#39;")), "the page has the command");
-    for name in ["error_time", "error_applications", "error_spacing", "throughput"] {
+    for name in
+        ["error_time", "error_applications", "error_spacing", "error_particles", "throughput"]
+    {
         assert!(read(&format!("{name}.svg")).contains("</svg>"), "{name}");
     }
-    assert_eq!(page.matches("<svg").count(), 4);
+    assert_eq!(page.matches("<svg").count(), 5);
+    assert!(!page.contains("poster"), "nothing is known elsewhere of this case");
+}
+
+#[test]
+fn the_rod_is_far_below_the_law_that_is_known_of_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flags = ["--backend", "cpu", "--repeat", "1", "--budget", "20s", "--out", "s"];
+    let report = study(folder.path(), &[&["rod"], &flags[..]].concat());
+    let [law] = list(&report, "reference_laws") else { panic!("{}", report["reference_laws"]) };
+    let (factor, order_of_law) = (number(law, "/factor"), number(law, "/order"));
+    assert_eq!((factor, order_of_law), (0.0715, 0.75));
+    let measured = list(&report, "points").iter().filter(|point| !point["result"].is_null());
+    let errors: Vec<(f64, f64)> = measured
+        .map(|point| (number(point, "/particles"), number(point, "/result/error/l2_relative")))
+        .collect();
+    assert!(errors.len() >= 12, "{}", errors.len());
+    for (n, error) in errors {
+        assert!(error < 0.5 * factor * n.powf(-order_of_law), "n = {n}: {error:e}");
+    }
+    let series = "euler at 0.2 dx2/alpha, corrected";
+    let slope = number(order(&report, "spacing", series), "/all/l2_relative");
+    assert!((slope - 2.0).abs() < 0.1, "{slope}");
+    let picture = fs::read_to_string(folder.path().join("s/error_particles.svg")).expect("drawn");
+    let page = fs::read_to_string(folder.path().join("s/study.html")).expect("the page");
+    assert!(picture.contains("poster: 0.0715 n^-0.75") && page.contains("poster: 0.0715 n^-0.75"));
+    // What the user varies is another study: nothing is known of it.
+    let vary = ["--vary", "spacing=0.1/20,0.1/40", "--no-output", "--repeat", "1"];
+    let own = study(folder.path(), &[&["rod", "--backend", "cpu"], &vary[..]].concat());
+    assert!(list(&own, "reference_laws").is_empty());
 }
 
 #[test]
@@ -376,7 +407,7 @@ fn a_browser_shows_the_page_and_fetches_nothing() {
     study(folder.path(), &[&flags[..], &ONCE].concat());
     let (proxy, profile) = (Proxy::start(), folder.path().join("profile"));
     let page = folder.path().join("s/study.html");
-    assert_eq!(browse(browser, &page, &profile, &proxy), (Vec::new(), 4));
+    assert_eq!(browse(browser, &page, &profile, &proxy), (Vec::new(), 5));
     assert_eq!(proxy.taken(), Vec::<String>::new(), "nothing is fetched");
     // A page that says something and fetches something is noticed.
     let other = folder.path().join("other.html");

@@ -17,7 +17,9 @@ use crate::study::{self, Outcome, RunOptions};
 #[command(after_help = "Examples:\n  diffusph run gaussian_small\n  diffusph run gaussian --set \
                         operator.correction=moment --out corrected\n  diffusph run gaussian_small \
                         --backend gpu --json | jq .error\n  diffusph run constant_column \
-                        --method tr_bdf2 --set time.tolerance.relative=1e-4")]
+                        --method tr_bdf2 --set time.tolerance.relative=1e-4\n\nThe folder has the \
+                        fields (series.pvd), report.json, case.json, probes.csv and probes.svg, \
+                        profile.svg, and front.csv and front.svg where the scene melts.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     case: CaseArguments,

@@ -153,6 +153,15 @@ impl Solution {
         }
     }
 
+    /// Whether it is liquid at position `x` (m) and time `t` (s), which the temperature alone does not tell
+    /// at a sharp melting point; `None` where the solution has no phases.
+    pub fn is_liquid(&self, x: DVec3, t: f64) -> Option<bool> {
+        match self {
+            Self::Neumann(solution) => Some(solution.is_liquid(x, t)),
+            _ => None,
+        }
+    }
+
     /// The values at `positions` (m) and time `t` (s), computed in parallel.
     pub fn evaluate(&self, positions: &[DVec3], t: f64) -> Vec<f64> {
         positions.par_iter().map(|&x| self.at(x, t)).collect()

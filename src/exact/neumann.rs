@@ -114,11 +114,24 @@ impl Neumann {
         (self.setup.axis == 0).then_some(if melts { front } else { extent.x - front })
     }
 
+    /// How far behind the wall `x` is, m.
+    fn depth(&self, x: DVec3) -> f64 {
+        let height = x[self.setup.axis] - self.setup.at;
+        if self.setup.above { height } else { -height }
+    }
+
+    /// Whether it is liquid at position `x` (m) and time `t` (s): what is ahead of the front has not
+    /// melted or frozen yet, also where it starts at the melting temperature.
+    pub fn is_liquid(&self, x: DVec3, t: f64) -> bool {
+        let depth = self.depth(x);
+        let is_behind = depth <= 0.0 || depth < self.front(t);
+        is_behind == (self.setup.wall > self.setup.melting)
+    }
+
     /// The temperature at position `x` (m) and time `t` (s).
     pub fn at(&self, x: DVec3, t: f64) -> f64 {
         let setup = &self.setup;
-        let height = x[setup.axis] - setup.at;
-        let depth = if setup.above { height } else { -height };
+        let depth = self.depth(x);
         if depth <= 0.0 {
             return setup.wall;
         }

@@ -47,3 +47,11 @@ pub(super) fn font(size: f64) -> TextStyle<'static> {
 pub(super) fn line(color: RGBColor, width: f64) -> ShapeStyle {
     color.stroke_width((width * f64::from(FINE)) as u32)
 }
+
+/// A letter's width over the size of its font, about.
+const LETTER: f64 = 0.56;
+
+/// How wide a text is, about.
+pub(super) fn width_of(text: &str, size: f64) -> f64 {
+    LETTER * size * text.chars().count() as f64
+}

@@ -15,7 +15,15 @@ const PARTIAL: &str = ".part";
 ///
 /// `case.json` is not among them: it may be the very case that is being run, and is replaced as a
 /// whole once the run has something to show.
-const OWN_FILES: [&str; 4] = ["series.pvd", "probes.csv", "profile.svg", "report.json"];
+const OWN_FILES: [&str; 7] = [
+    "series.pvd",
+    "probes.csv",
+    "probes.svg",
+    "profile.svg",
+    "front.csv",
+    "front.svg",
+    "report.json",
+];
 
 /// What went wrong with the output, and where.
 #[derive(Debug, Error)]
@@ -97,8 +105,8 @@ impl OutputFolder {
     }
 
     /// Removes the files that an earlier run left: `particles_NNNN.vtu`, `series.pvd`,
-    /// `probes.csv`, `profile.svg`, `report.json`, and unfinished ones of the same
-    /// names. Anything else stays.
+    /// `probes.csv`, `probes.svg`, `profile.svg`, `front.csv`, `front.svg`, `report.json`, and unfinished
+    /// ones of the same names. Anything else stays.
     pub fn remove_stale(&self) -> Result<(), OutputError> {
         let failed = |path: &Path, source| OutputError::RemoveStale { path: path.into(), source };
         let entries = fs::read_dir(&self.path).map_err(|e| failed(&self.path, e))?;
@@ -191,7 +199,7 @@ mod tests {
         }
         fs::create_dir(root.path().join("particles_0007.vtu")).unwrap();
         let folder = OutputFolder::create(root.path()).unwrap();
-        assert_eq!(names(root.path()).len(), 13, "nothing goes before the caller asks");
+        assert_eq!(names(root.path()).len(), 16, "nothing goes before the caller asks");
         folder.remove_stale().unwrap();
         let mut left = other.to_vec();
         left.insert(2, "particles_0007.vtu");

@@ -1,10 +1,10 @@
 //! `probes.csv`: the value at named places over time.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
+use super::growing_table::{GrowingTable, number};
 use super::output::OutputError;
 
 /// The value at one place and time.
@@ -28,50 +28,29 @@ pub struct ProbeRecord<'a> {
 /// The file grows while the run goes on and is complete up to the last [`Self::write`].
 #[derive(Debug)]
 pub struct ProbeWriter {
-    path: PathBuf,
     dimension: usize,
-    table: csv::Writer<File>,
+    table: GrowingTable,
 }
 
 impl ProbeWriter {
     /// Starts `probes.csv` in `folder`, replacing an earlier one; `dimension` is 1, 2 or 3.
     pub fn create(folder: &Path, dimension: usize) -> Result<Self, OutputError> {
-        let path = folder.join("probes.csv");
-        let failed = |source| OutputError::Write { path: path.clone(), source };
-        let file = File::create(&path).map_err(failed)?;
-        let mut writer =
-            Self { path: path.clone(), dimension, table: csv::Writer::from_writer(file) };
         let axes = &["x", "y", "z"][..dimension];
-        writer.row(["time_s", "name"].iter().chain(axes).chain(&["value", "exact"]))?;
-        writer.flush()?;
-        Ok(writer)
+        let columns = [&["time_s", "name"], axes, &["value", "exact"]].concat();
+        let table = GrowingTable::create(folder.join("probes.csv"), &columns)?;
+        Ok(Self { dimension, table })
     }
 
     /// Appends records; they are in the file when this returns.
     pub fn write(&mut self, records: &[ProbeRecord<'_>]) -> Result<(), OutputError> {
         for record in records {
-            // `{:?}` is the shortest text that reads back as the same number.
-            let number = |x: f64| format!("{x:?}");
             let mut row = vec![number(record.time), record.name.to_owned()];
             row.extend(record.at.to_array()[..self.dimension].iter().map(|&x| number(x)));
             row.push(number(record.value));
             row.push(record.exact.map_or_else(String::new, number));
-            self.row(&row)?;
+            self.table.row(&row)?;
         }
-        self.flush()
-    }
-
-    fn row<T: AsRef<[u8]>>(
-        &mut self,
-        cells: impl IntoIterator<Item = T>,
-    ) -> Result<(), OutputError> {
-        let written = self.table.write_record(cells);
-        written.map_err(|e| OutputError::Write { path: self.path.clone(), source: e.into() })
-    }
-
-    fn flush(&mut self) -> Result<(), OutputError> {
-        let flushed = self.table.flush();
-        flushed.map_err(|source| OutputError::Write { path: self.path.clone(), source })
+        self.table.flush()
     }
 }
 

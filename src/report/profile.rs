@@ -15,12 +15,23 @@ pub struct Profile {
     pub title: String,
     /// Name and unit of the horizontal axis: `x (m)`.
     pub axis_label: String,
-    /// Name, and unit if any, of the value.
-    pub value_label: String,
     /// A point of the line: its y and z are those of every point of it (m).
     pub through: DVec3,
+    /// The particles of the line, by ascending position.
+    pub particles: Vec<usize>,
     /// Where along the line each particle is, m, ascending.
     pub position: Vec<f64>,
+    /// The values themselves.
+    pub values: Along,
+    /// The enthalpy of a unit volume, where the scene melts: a panel of its own.
+    pub enthalpy: Option<Along>,
+}
+
+/// What the particles of a line have, and what they should have.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Along {
+    /// Its name, and unit if any: `temperature (K)`.
+    pub label: String,
     /// The numerical value of each particle.
     pub value: Vec<f64>,
     /// The exact value at each particle, where there is an exact solution.
@@ -51,19 +62,25 @@ impl Profile {
         let row = row_along_x(positions, through, spacing);
         (row.len() >= 2).then(|| {
             let pick = |field: &[f64]| row.iter().map(|&i| field[i]).collect();
-            Self {
-                axis_label: "x (m)".to_owned(),
-                value_label: "value".to_owned(),
-                through: positions[row[0]],
-                position: row.iter().map(|&i| positions[i].x).collect(),
+            let values = Along {
+                label: "value".to_owned(),
                 value: pick(value),
                 exact: exact.map(pick),
+                exact_curve: None,
+            };
+            Self {
+                axis_label: "x (m)".to_owned(),
+                through: positions[row[0]],
+                position: row.iter().map(|&i| positions[i].x).collect(),
+                particles: row,
+                values,
                 ..Self::default()
             }
         })
     }
 
-    /// The plot as SVG: values above, their error below where there is an exact solution.
+    /// The plot as SVG: values above, then the enthalpy where there is one, then the error of the
+    /// values where there is an exact solution.
     pub fn to_svg(&self) -> io::Result<String> {
         plot::svg(self).map_err(io::Error::other)
     }
@@ -118,8 +135,9 @@ mod tests {
         let profile = Profile::along_x(&positions, &value, Some(&value), through, 0.1).unwrap();
         assert_eq!(profile.position.len(), 5);
         assert!(profile.position.is_sorted_by(|a, b| a < b));
-        assert_eq!(profile.exact.as_ref(), Some(&profile.value));
-        profile.value
+        let row: Vec<f64> = profile.particles.iter().map(|&i| value[i]).collect();
+        assert_eq!((profile.values.exact.as_ref(), &row), (Some(&row), &profile.values.value));
+        profile.values.value
     }
 
     #[test]
@@ -144,22 +162,43 @@ mod tests {
         assert!(Profile::along_x(&positions[..2], &value[..2], None, positions[0], 0.1).is_some());
     }
 
+    fn along(value: Vec<f64>, exact: Option<Vec<f64>>) -> Along {
+        Along { label: "value".to_owned(), value, exact, exact_curve: None }
+    }
+
+    #[test]
+    fn the_enthalpy_has_a_panel_of_its_own_where_there_is_one() {
+        let values = along(vec![1.0, 2.0, 4.0], Some(vec![1.0, 2.5, 4.0]));
+        let position = vec![0.0, 1.0, 2.0];
+        let plain = Profile { position, values: values.clone(), ..Profile::default() };
+        let enthalpy = Along { label: "enthalpy (J/m³)".to_owned(), ..values };
+        let melting = Profile { enthalpy: Some(enthalpy), ..plain.clone() };
+        let (plain, melting) = (plain.to_svg().unwrap(), melting.to_svg().unwrap());
+        assert!(melting.contains("enthalpy (J/m³)") && !plain.contains("enthalpy"));
+        assert_eq!(melting.matches("<circle").count(), plain.matches("<circle").count() + 3);
+        // The error is that of the value alone, and is the last panel.
+        for svg in [&plain, &melting] {
+            assert_eq!(svg.matches("numerical − exact").count(), 1);
+        }
+        let place = |text: &str| melting.find(text).unwrap();
+        assert!(place("enthalpy (J/m³)") < place("numerical − exact"));
+    }
+
     #[test]
     fn the_plot_has_an_error_panel_only_with_an_exact_solution() {
         let mut profile = Profile {
             title: "a <b> & c".into(),
             axis_label: "x (m)".into(),
-            value_label: "value".into(),
             position: vec![0.0, 1.0, 2.0],
-            value: vec![1.0, f64::NAN, 3.0],
+            values: along(vec![1.0, f64::NAN, 3.0], None),
             ..Profile::default()
         };
         let svg = profile.to_svg().unwrap();
         assert!(svg.contains("a &lt;b&gt; &amp; c"));
         assert!(svg.contains("numerical") && !svg.contains("exact"));
-        profile.exact = Some(vec![1.0, 2.0, 2.5]);
+        profile.values.exact = Some(vec![1.0, 2.0, 2.5]);
         assert!(profile.to_svg().unwrap().contains("largest not finite"));
-        profile.value[1] = 2.0;
+        profile.values.value[1] = 2.0;
         let svg = profile.to_svg().unwrap();
         assert!(svg.contains("exact") && svg.contains("largest 0.5"), "{svg}");
     }
@@ -168,8 +207,9 @@ mod tests {
     fn ranges_without_extent_and_empty_profiles_are_drawn() {
         for value in [vec![], vec![1000.0; 4], vec![0.0; 4], vec![f64::NAN; 4], vec![1e300; 4]] {
             let position = (0..value.len()).map(|i| i as f64).collect();
-            let exact = Some(value.clone());
-            let profile = Profile { position, value, exact, ..Profile::default() };
+            let values = along(value.clone(), Some(value));
+            let enthalpy = Some(values.clone());
+            let profile = Profile { position, values, enthalpy, ..Profile::default() };
             assert!(profile.to_svg().unwrap().ends_with("</svg>\n"));
         }
     }
@@ -178,11 +218,11 @@ mod tests {
     fn a_very_long_row_makes_a_small_file() {
         let position: Vec<f64> = (0..200_000).map(|i| i as f64 * 1e-3).collect();
         let value: Vec<f64> = position.iter().map(|x| x.sin()).collect();
-        let mut profile =
-            Profile { exact: Some(value.clone()), position, value, ..Profile::default() };
+        let values = along(value.clone(), Some(value));
+        let mut profile = Profile { position, values, ..Profile::default() };
         assert!(profile.to_svg().unwrap().len() < 1_500_000);
         // The one particle that is wrong is still there.
-        profile.value[123_456] += 0.25;
+        profile.values.value[123_456] += 0.25;
         assert!(profile.to_svg().unwrap().contains("largest 0.25"));
     }
 }

@@ -2,6 +2,7 @@
 //! stability, and the benchmark.
 
 mod bench;
+mod pictures;
 mod recorder;
 mod run;
 mod stability;

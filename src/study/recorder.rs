@@ -6,16 +6,21 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
+use super::pictures;
 use super::run::RunError;
 use crate::case::{OutputField, Scene};
+use crate::model::Problem;
 use crate::model::integrator::Segment;
 use crate::model::interpolation::Interpolation;
 use crate::model::operator::rows;
 use crate::report::run::ProbeReport;
-use crate::report::{OutputFolder, ProbeRecord, ProbeWriter, SeriesWriter};
+use crate::report::{
+    FrontWriter, History, HistoryPlot, OutputFolder, ProbeRecord, ProbeWriter, Reading,
+    SeriesWriter,
+};
 use crate::solver::{Observer, Progress, Still};
 
-/// Writes fields and probes at their times, and keeps the last state.
+/// Writes fields, probes and the front at their times, and keeps the last state.
 pub(super) struct Recorder<'a> {
     scene: &'a Scene,
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -27,6 +32,10 @@ pub(super) struct Recorder<'a> {
     pub(super) time: f64,
     /// The last state, in the problem's order.
     pub(super) state: Cow<'a, [f64]>,
+    /// What the first probes read on the way, where there are files.
+    pub(super) histories: Vec<History>,
+    /// Where the front was on the way, where there are files and something melts.
+    pub(super) fronts: History,
     /// Since when the state has not changed.
     pub(super) still: Option<Still>,
     /// Time spent here.
@@ -36,6 +45,8 @@ pub(super) struct Recorder<'a> {
 struct Files {
     series: SeriesWriter,
     probes: ProbeWriter,
+    /// Of a scene that melts.
+    front: Option<FrontWriter>,
 }
 
 impl<'a> Recorder<'a> {
@@ -53,7 +64,7 @@ impl<'a> Recorder<'a> {
                     .ok_or_else(|| RunError::ProbeInVoid { name: probe.name.clone(), at: probe.at })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let files = folder.map(|folder| Files::create(folder, problem.dimension)).transpose()?;
+        let files = folder.map(|folder| Files::create(folder, problem)).transpose()?;
         let wants_density = files.is_some() && scene.fields.contains(&OutputField::Density);
         let density = if wants_density { rows::density(problem) } else { Vec::new() };
         let state = Cow::Borrowed(&problem.initial[..]);
@@ -65,11 +76,14 @@ impl<'a> Recorder<'a> {
             density,
             time: 0.0,
             state,
+            histories: Vec::new(),
+            fronts: History::default(),
             still: None,
             spent: Duration::ZERO,
         };
         recorder.write_fields()?;
         recorder.write_probes()?;
+        recorder.write_front()?;
         recorder.spent = clock.elapsed();
         Ok(recorder)
     }
@@ -154,6 +168,10 @@ impl<'a> Recorder<'a> {
         let Some(files) = &mut self.files else {
             return Ok(());
         };
+        self.histories.resize(probes.len().min(HistoryPlot::MOST_TRACES), History::default());
+        for (history, probe) in self.histories.iter_mut().zip(&probes) {
+            history.push(Reading { time: probe.time, value: probe.value, exact: probe.exact });
+        }
         let places = probes.iter().zip(&self.scene.problem.probes);
         let records: Vec<ProbeRecord<'_>> = places
             .map(|(probe, place)| ProbeRecord {
@@ -167,6 +185,17 @@ impl<'a> Recorder<'a> {
         Ok(files.probes.write(&records)?)
     }
 
+    fn write_front(&mut self) -> Result<(), RunError> {
+        let Some(writer) = self.files.as_mut().and_then(|files| files.front.as_mut()) else {
+            return Ok(());
+        };
+        let Some(front) = pictures::front(self.scene, &self.state, self.time) else {
+            return Ok(());
+        };
+        self.fronts.push(Reading { time: self.time, value: front.position, exact: front.exact });
+        Ok(writer.write(self.time, &front)?)
+    }
+
     fn keep(&mut self, time: f64, state: &[f64]) {
         self.time = time;
         self.state = Cow::Owned(state.to_vec());
@@ -174,10 +203,12 @@ impl<'a> Recorder<'a> {
 }
 
 impl Files {
-    fn create(folder: &OutputFolder, dimension: usize) -> Result<Self, RunError> {
+    fn create(folder: &OutputFolder, problem: &Problem) -> Result<Self, RunError> {
         folder.remove_stale()?;
-        let series = SeriesWriter::new(folder.path());
-        Ok(Self { series, probes: ProbeWriter::create(folder.path(), dimension)? })
+        let path = folder.path();
+        let front = problem.melts().then(|| FrontWriter::create(path)).transpose()?;
+        let probes = ProbeWriter::create(path, problem.dimension)?;
+        Ok(Self { series: SeriesWriter::new(path), probes, front })
     }
 }
 
@@ -198,6 +229,7 @@ impl Observer for Recorder<'_> {
         if segment.probe {
             self.write_probes()?;
         }
+        self.write_front()?;
         self.spent += clock.elapsed();
         Ok(())
     }
@@ -208,6 +240,7 @@ impl Observer for Recorder<'_> {
             self.keep(time, state);
             self.write_fields()?;
             self.write_probes()?;
+            self.write_front()?;
         }
         self.spent += clock.elapsed();
         Ok(())

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
+use super::pictures;
 use super::recorder::Recorder;
 use super::stagnated::stagnated;
 use crate::case::Scene;
@@ -16,19 +17,16 @@ use crate::model::operator::rows::{Rows, Survey, assemble, cell_grid, survey, wa
 use crate::model::operator::{FoldNeeds, SomeRows, SourceRows, floating_bodies};
 use crate::report::format::simulated_time;
 use crate::report::run::{
-    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, Front, LeftOut, REPORT_VERSION, Range,
+    Conserved, DIFFUSPH_VERSION, ErrorReport, FieldRange, LeftOut, REPORT_VERSION, Range,
     RunReport, WallTimes,
 };
-use crate::report::{Norms, OutputError, OutputFolder, Profile, total};
+use crate::report::{Norms, OutputError, OutputFolder, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::{GpuBackend, GpuOptions};
 use crate::solver::{
     Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Progress, SolverError, Step,
     Stepper, Taken, advance, choose_step, measure_limit,
 };
-
-/// Points of the exact curve of a profile.
-const CURVE_POINTS: u32 = 600;
 
 /// What the user asked of a run beyond the case.
 #[derive(Debug)]
@@ -374,9 +372,8 @@ fn finish(
         report.warnings.push(format!("stopped early: {error}"));
     }
     if let Some(folder) = setup.options.folder {
-        if let Some(profile) = profile(setup.scene, &recorder, exact.as_deref()) {
-            profile.write(folder.path())?;
-        }
+        let is_steady = setup.prepared.step.method == Method::Steady;
+        pictures::write(setup.scene, &recorder, exact.as_deref(), folder, is_steady)?;
         folder.write_json("case.json", &setup.scene.resolved)?;
         report.wall_s.output = (recorder.spent + clock.elapsed()).as_secs_f64();
         folder.write_json("report.json", &report)?;
@@ -440,7 +437,7 @@ fn report(
         memory_bytes: measured.memory_bytes,
         field: FieldRange::of(&values),
         conserved: Conserved::new(initial, last, exchange, total(&magnitude, &capacity)),
-        front: front(setup.scene, &recorder.state, recorder.time),
+        front: pictures::front(setup.scene, &recorder.state, recorder.time),
         density: Range { min: survey.min_density, max: survey.max_density },
         error: setup.scene.exact.as_ref().zip(exact).map(|(solution, exact)| {
             ErrorReport::new(solution.name(), Norms::new(&values, exact, volume))
@@ -459,41 +456,8 @@ fn report(
     }
 }
 
-/// How far a scene has melted; `None` where nothing can.
-fn front(scene: &Scene, state: &[f64], time: f64) -> Option<Front> {
-    let problem = &scene.problem;
-    let volume = &problem.particles.volume;
-    let liquid =
-        |particle: usize| volume[particle] * problem.liquid_fraction(particle, state[particle]);
-    let melted: Vec<f64> = (0..state.len()).map(liquid).collect();
-    let section: f64 = problem.domain.extent().to_array()[1..problem.dimension].iter().product();
-    let exact =
-        scene.exact.as_ref().and_then(|exact| exact.liquid_depth(time, problem.domain.extent()));
-    let liquid_volume = total(&melted, &vec![1.0; melted.len()]);
-    problem.melts().then(|| Front::new(liquid_volume, section, exact))
-}
-
 /// Whether no body of a scene has its value held anywhere.
 fn is_floating(problem: &Problem) -> bool {
     let floating: usize = floating_bodies(problem).iter().map(Vec::len).sum();
     floating == problem.particles.len()
-}
-
-/// The row along x through the first probe, or through the middle.
-fn profile(scene: &Scene, recorder: &Recorder<'_>, exact: Option<&[f64]>) -> Option<Profile> {
-    let problem = &scene.problem;
-    let position = &problem.particles.position;
-    let middle = 0.5 * (problem.domain.min + problem.domain.max);
-    let through = problem.probes.first().map_or(middle, |probe| probe.at);
-    let row = Profile::along_x(position, &recorder.values(), exact, through, problem.spacing)?;
-    let (first, last) = (*row.position.first()?, *row.position.last()?);
-    let exact_curve = scene.exact.as_ref().map(|solution| {
-        let x = (0..=CURVE_POINTS)
-            .map(|k| first + (last - first) * f64::from(k) / f64::from(CURVE_POINTS));
-        // The row's own y and z: the nearest row need not go through the point asked for.
-        let on_row = |x: f64| DVec3::new(x, row.through.y, row.through.z);
-        x.map(|x| (x, solution.at(on_row(x), recorder.time))).unzip()
-    });
-    let title = format!("{}, t = {}", scene.title, simulated_time(recorder.time));
-    Some(Profile { title, exact_curve, ..row })
 }

@@ -249,3 +249,21 @@ fn ends_of_time_and_space() {
     let heavier = Neumann::new(NeumannSetup { latent_heat, ..setup(3.0, 1.0) });
     close(slow.lambda() / heavier.lambda(), 1.0, 1e-6);
 }
+
+/// The phase changes across the front, also where the temperature beyond it is the melting point.
+#[test]
+fn the_phase_changes_across_the_front_alone() {
+    for setup in setups() {
+        let melts = setup.wall > setup.melting;
+        let neumann = Neumann::new(setup);
+        let t = 2.0;
+        let front = neumann.front(t);
+        for share in [-0.1, 0.0, 0.5, 0.999] {
+            assert_eq!(neumann.is_liquid(at(share * front), t), melts, "{neumann:?} {share}");
+        }
+        for share in [1.001, 2.0, 50.0] {
+            assert_eq!(neumann.is_liquid(at(share * front), t), !melts, "{neumann:?} {share}");
+        }
+        assert_eq!(neumann.is_liquid(at(0.5 * front), 0.0), !melts, "before it starts");
+    }
+}

@@ -5,6 +5,7 @@
 mod chart;
 mod csv;
 mod labels;
+mod law;
 mod page;
 mod peers;
 mod plots;
@@ -17,6 +18,7 @@ use super::{OutputError, OutputFolder};
 
 pub use self::csv::COLUMNS as CSV_COLUMNS;
 pub use labels::label;
+pub use law::ReferenceLaw;
 pub use peers::{PEERS_VERSION, PeerPoint, Peers};
 pub use point::{Measured, Part, Point, ProbeSplit, Setting, Split, Spread, TimedRun};
 
@@ -59,6 +61,9 @@ pub struct StudyReport {
     pub orders: Vec<Order>,
     /// The cheapest setting for each of [`TARGETS`].
     pub recommendations: Vec<Recommendation>,
+    /// What is known elsewhere of the error.
+    #[serde(default)]
+    pub reference_laws: Vec<ReferenceLaw>,
     /// Points of other programs.
     pub peers: Option<Peers>,
     /// Where these win, in words.

@@ -22,7 +22,13 @@ const ERROR: &str = "relative L2 of the error";
 impl StudyReport {
     /// The pictures: those for which there is something to draw.
     pub(super) fn pictures(&self) -> Result<Vec<Picture>, Failure> {
-        let all = [self.over_time(), self.over_applications(), self.over_spacing(), self.rates()];
+        let all = [
+            self.over_time(),
+            self.over_applications(),
+            self.over_spacing(),
+            self.over_particles(),
+            self.rates(),
+        ];
         let drawn = all.into_iter().flatten().map(|(name, chart, caption)| {
             Ok(Picture { name, svg: chart.svg()?, caption: caption.to_owned() })
         });
@@ -114,12 +120,56 @@ impl StudyReport {
     }
 
     fn over_spacing(&self) -> Option<(&'static str, Chart, &'static str)> {
+        let series = self.refined(|point| point.spacing);
+        let chart = chart(
+            format!("{}: error against spacing", self.case),
+            ("spacing dx, m", |x| significant(x, 3), 10),
+            (ERROR, error_text, 9),
+            series,
+            None,
+        )?;
+        let caption = "Slopes are those of a least-squares line through all points of a series, and of \
+                       the line through its two finest.";
+        Some(("error_spacing", chart, caption))
+    }
+
+    fn over_particles(&self) -> Option<(&'static str, Chart, &'static str)> {
+        let series = self.refined(|point| self.along_an_axis(point.particles));
+        let x = || series.iter().flat_map(|series| &series.marks).map(|mark| mark.x);
+        let (least, most) = (x().reduce(f64::min)?, x().reduce(f64::max)?);
+        let laws: Vec<(String, [(f64, f64); 2])> = (self.reference_laws.iter())
+            .map(|law| (law.name(), [least, most].map(|n| (n, law.at(n)))))
+            .collect();
+        let name = match self.dimension {
+            1 => "particles n",
+            2 => "particles along an axis, n = √N of all N",
+            _ => "particles along an axis, n = ∛N of all N",
+        };
+        let mut chart = chart(
+            format!("{}: error against the number of particles", self.case),
+            (name, count_text, 9),
+            (ERROR, error_text, 9),
+            series,
+            None,
+        )?;
+        let errors = chart.series.iter().flat_map(|series| &series.marks).map(|mark| mark.y);
+        let of_laws = laws.iter().flat_map(|(_, ends)| ends).map(|end| end.1);
+        chart.y = LogAxis::over(ERROR, error_text, errors.chain(of_laws), 9);
+        chart.laws = laws;
+        let caption = "Slopes are those against the spacing. A dashed line is an error law known from \
+                       elsewhere.";
+        Some(("error_particles", chart, caption))
+    }
+
+    /// The points that differ in their spacing alone, over what `x` makes of them, joined and with their
+    /// slopes.
+    fn refined(&self, x: impl Fn(&Point) -> f64) -> Vec<Series> {
         let mut series = self.series(
             |point| point.series("spacing"),
             |point, of| {
                 let unlabelled = Mark {
                     label: String::new(),
-                    ..mark(point, of, point.spacing, of.error_norm()?, None)
+                    ..mark(point, of, x(point), of.error_norm()?, None)
                 };
                 Some(unlabelled)
             },
@@ -136,16 +186,7 @@ impl StudyReport {
                 series.name += &format!(": slope {all:.2} (finest {finest:.2})");
             }
         }
-        let chart = chart(
-            format!("{}: error against spacing", self.case),
-            ("spacing dx, m", |x| significant(x, 3), 10),
-            (ERROR, error_text, 9),
-            series,
-            None,
-        )?;
-        let caption = "Slopes are those of a least-squares line through all points of a series, and of \
-                       the line through its two finest.";
-        Some(("error_spacing", chart, caption))
+        series
     }
 
     fn rates(&self) -> Option<(&'static str, Chart, &'static str)> {
@@ -217,7 +258,7 @@ fn chart(
     let spreads = marks().filter_map(|mark| mark.spread).flat_map(|(a, b)| [a, b]);
     let along = LogAxis::over(x.0, x.1, marks().map(|mark| mark.x).chain(spreads), x.2);
     let up = LogAxis::over(y.0, y.1, marks().map(|mark| mark.y), y.2);
-    Some(Chart { title, x: along, y: up, series, front })
+    Some(Chart { title, x: along, y: up, series, front, laws: Vec::new() })
 }
 
 /// An error, as a power of ten where it is one: `10⁻³`, `2·10⁻³`.

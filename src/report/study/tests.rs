@@ -138,6 +138,11 @@ pub(crate) fn report() -> StudyReport {
             total_s: Some(0.011),
             text: "For 1 %: corrected, dx 0.5.".to_owned(),
         }],
+        reference_laws: vec![ReferenceLaw {
+            label: "theirs <1990>".to_owned(),
+            factor: 0.5,
+            order: 1.5,
+        }],
         peers: Some(Peers::parse(PEERS).expect("peers")),
         peers_ahead: vec!["0.1 %: scipy WINS".to_owned()],
         remarks: vec!["a remark".to_owned()],
@@ -207,10 +212,12 @@ fn the_page_needs_nothing_else_and_has_every_picture() {
     for outside in ["http", "src=", "url(", "@import", "<script", "<link"] {
         assert!(!text.contains(outside), "{outside} in the page");
     }
-    assert_eq!(text.matches("<svg").count(), 4);
+    assert_eq!(text.matches("<svg").count(), 5);
     for part in [
         "Error against run time: A &amp; B",
         "error against spacing",
+        "error against the number of particles",
+        "theirs &lt;1990&gt;: 0.5 n^-1.5",
         "corrected: slope 2.00 (finest 2.00)",
         "Pareto front",
         "diverged at step 3 &lt;of&gt; 9",
@@ -233,13 +240,43 @@ fn the_page_needs_nothing_else_and_has_every_picture() {
 fn a_picture_labels_each_point() {
     let pictures = report().pictures().expect("drawn");
     let names: Vec<&str> = pictures.iter().map(|picture| picture.name).collect();
-    assert_eq!(names, ["error_time", "error_applications", "error_spacing", "throughput"]);
+    let expected =
+        ["error_time", "error_applications", "error_spacing", "error_particles", "throughput"];
+    assert_eq!(names, expected);
     let svg = &pictures[0].svg;
     let has = |label: &str| svg.lines().any(|line| line.trim() == label);
     for label in ["1", "2: dx 0.5", "3", "4", "5", "50^3", "scipy"] {
         assert!(has(label), "no label {label}");
     }
     assert!(!has("6"), "what failed has no place");
+}
+
+#[test]
+fn a_law_is_a_dashed_line_that_the_axis_has_room_for() {
+    let picture = |report: &StudyReport| {
+        let pictures = report.pictures().expect("drawn");
+        let it = pictures.into_iter().find(|picture| picture.name == "error_particles");
+        it.expect("a picture").svg
+    };
+    let with = report();
+    let without = StudyReport { reference_laws: Vec::new(), ..report() };
+    let (drawn, plain) = (picture(&with), picture(&without));
+    assert!(drawn.contains("theirs") && !plain.contains("theirs"));
+    let lines = |svg: &str| svg.matches("<polyline").count() + svg.matches("<line").count();
+    assert!(lines(&drawn) > lines(&plain) + 10, "{} and {}", lines(&drawn), lines(&plain));
+    // Errors are 5e-4 to 2e-2: a law of 1 to 2 has the axis reach up to it.
+    let mut far = report();
+    far.reference_laws[0] =
+        ReferenceLaw { factor: 4.0, order: 0.5, ..far.reference_laws[0].clone() };
+    let has_one = |svg: &str| svg.lines().any(|line| line.trim() == "10⁰");
+    assert!(has_one(&picture(&far)) && !has_one(&plain));
+    // In three dimensions n is the third root of the number.
+    assert!((with.along_an_axis(64) - 4.0).abs() < 1e-12);
+    assert!((StudyReport { dimension: 1, ..report() }.along_an_axis(64) - 64.0).abs() < 1e-12);
+    // A report of before there were laws is read.
+    let mut json = serde_json::to_value(&with).expect("JSON");
+    json.as_object_mut().expect("an object").remove("reference_laws");
+    assert_eq!(serde_json::from_value::<StudyReport>(json).expect("a report"), without);
 }
 
 #[test]

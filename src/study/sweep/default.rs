@@ -7,9 +7,10 @@ use crate::model::StepChoice;
 use crate::model::integrator::{Method, MethodChoice};
 
 /// The sweeps of shipped cases, by name: what they set and vary is written as `--set` and `--vary`.
-const SHIPPED: [(&str, &str); 2] = [
+const SHIPPED: [(&str, &str); 3] = [
     ("gaussian", include_str!("../../../cases/sweeps/gaussian.json")),
     ("gaussian_small", include_str!("../../../cases/sweeps/gaussian_small.json")),
+    ("rod", include_str!("../../../cases/sweeps/rod.json")),
 ];
 
 /// The default sweeps of the case.
@@ -38,15 +39,14 @@ fn by_rule(scene: &Scene) -> Result<Vec<Sweep>, StudyError> {
     };
     let is_euler = problem.time.method == MethodChoice::Given(Method::Euler);
     let vary = |text: String| super::Vary::parse(&text);
-    let mut refined =
-        Sweep { name: None, set: Vec::new(), vary: vec![vary(format!("method={own}"))?] };
+    let mut refined = Sweep { vary: vec![vary(format!("method={own}"))?], ..Sweep::default() };
     if let (StepChoice::Given(step), true) = (problem.time.step, is_euler) {
         refined.set.push(format!("time.step={:?}*spacing^2", step / (spacing * spacing)));
     }
     refined.vary.push(vary(format!("spacing={}", spacings.join(",")))?);
     refined.vary.push(vary("correction=none,moment".to_owned())?);
     let others: Vec<&str> = ["rkl2", "tr_bdf2"].into_iter().filter(|name| *name != own).collect();
-    let mut by_method = Sweep { name: None, set: Vec::new(), vary: Vec::new() };
+    let mut by_method = Sweep::default();
     by_method.vary.push(vary(format!("method={}", others.join(",")))?);
     by_method.vary.push(vary(format!("spacing={},{spacing}", 2.0 * spacing))?);
     by_method.vary.push(vary("correction=moment".to_owned())?);
@@ -81,6 +81,20 @@ mod tests {
                 coarse && candidate.load(&name).is_ok()
             });
             assert!(loads.count() >= 3, "{name}: {} settings", all.len());
+        }
+    }
+
+    #[test]
+    fn laws_known_elsewhere_come_with_the_sweep_of_their_case_alone() {
+        let laws = |name: &str| -> Vec<String> {
+            let scene = case::load(name, &[]).expect("a case");
+            let sweeps = sweeps(&scene, &StudyOptions::new(name)).expect("sweeps");
+            let laws = sweeps.into_iter().flat_map(|sweep| sweep.reference_laws);
+            laws.map(|law| format!("{} {}", law.factor, law.order)).collect()
+        };
+        assert_eq!(laws("rod"), ["0.0715 0.75"]);
+        for other in ["square", "gaussian_small"] {
+            assert!(laws(other).is_empty(), "{other}");
         }
     }
 

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use crate::case::{self, CaseError, Override};
 use crate::report::StudyReport;
 use crate::report::run::DIFFUSPH_VERSION;
-use crate::report::study::{Peers, Point, STUDY_VERSION, StudyMachine};
+use crate::report::study::{Peers, Point, ReferenceLaw, STUDY_VERSION, StudyMachine};
 
 pub use machine::study_machine;
 pub use vary::Vary;
@@ -158,6 +158,12 @@ pub fn study(
     let (case, title) = (scene.name.clone(), scene.title.clone());
     let dimension = scene.problem.dimension;
     drop(scene);
+    let mut reference_laws: Vec<ReferenceLaw> = Vec::new();
+    for law in sweeps.iter().flat_map(|sweep| &sweep.reference_laws) {
+        if !reference_laws.contains(law) {
+            reference_laws.push(law.clone());
+        }
+    }
     let mut remarks = Vec::new();
     let mut measuring = Measuring::new(options, started, progress);
     let trials = measuring.predict(plan::candidates(&sweeps, options), is_default, &mut remarks)?;
@@ -180,6 +186,7 @@ pub fn study(
         skipped: outcome.skipped,
         orders: Vec::new(),
         recommendations: Vec::new(),
+        reference_laws,
         peers: options.peers.clone(),
         peers_ahead: Vec::new(),
         remarks,

@@ -5,10 +5,10 @@ use serde::Deserialize;
 use super::vary::{Target, Vary};
 use super::{StudyError, StudyOptions};
 use crate::case::{self, CaseError, Override, Scene};
-use crate::report::study::Setting;
+use crate::report::study::{ReferenceLaw, Setting};
 
 /// A part of a study: every combination of what it varies, with what it sets.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Sweep {
     /// What it is called in reports, where there are several.
@@ -17,6 +17,8 @@ pub(super) struct Sweep {
     pub(super) set: Vec<String>,
     /// What it varies, as `--vary` has it.
     pub(super) vary: Vec<Vary>,
+    /// What is known elsewhere of the error of what it runs.
+    pub(super) reference_laws: Vec<ReferenceLaw>,
 }
 
 /// A setting before it runs.

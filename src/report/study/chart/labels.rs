@@ -1,10 +1,9 @@
 //! Labels beside marks: near theirs, over nothing else.
 
+use crate::report::canvas::width_of;
+
 /// Half the extent of a mark.
 const MARK: f64 = 5.5;
-
-/// A letter's width over the size of its font, about.
-const LETTER: f64 = 0.56;
 
 /// A rectangle in shown units; y grows downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +42,6 @@ impl Frame {
     fn around((x, y): (f64, f64), half: f64) -> Self {
         Self { left: x - half, right: x + half, top: y - half, bottom: y + half }
     }
-}
-
-/// How wide a text is, about.
-pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    LETTER * size * text.chars().count() as f64
 }
 
 /// Each text with the middle of its left edge, where it lies within `frame`, on no mark, on no

@@ -3,12 +3,14 @@
 mod labels;
 mod log_axis;
 
-use plotters::element::PathElement;
+use plotters::element::{DashedPathElement, PathElement};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::report::canvas::{self, Area, Drawn, FINE, Failure, GRID, INK, PAPER, font, line};
-use labels::{Frame, place, width_of};
+use crate::report::canvas::{
+    self, Area, Drawn, FINE, Failure, GRID, INK, PAPER, font, line, width_of,
+};
+use labels::{Frame, place};
 
 pub(super) use log_axis::{LogAxis, is_drawable};
 
@@ -45,6 +47,8 @@ pub(super) struct Chart {
     pub(super) series: Vec<Series>,
     /// A line over all series, with its name in the legend.
     pub(super) front: Option<(String, Vec<(f64, f64)>)>,
+    /// Dashed lines from one point to another, with their names in the legend.
+    pub(super) laws: Vec<(String, [(f64, f64); 2])>,
 }
 
 /// Marks of one colour and shape.
@@ -163,6 +167,9 @@ impl Chart {
             let path: Vec<_> = front.iter().map(|&(x, y)| self.at(frame, x, y)).collect();
             draw_line(area, &path, line(INK, 1.0))?;
         }
+        for (index, (_, ends)) in self.laws.iter().enumerate() {
+            draw_dashes(area, ends.map(|(x, y)| self.at(frame, x, y)), index)?;
+        }
         Ok(())
     }
 
@@ -184,7 +191,8 @@ impl Chart {
         };
         let front = self.front.iter().flat_map(|(_, front)| front.windows(2));
         let front = front.map(|ends| [0, 1].map(|k| self.at(frame, ends[k].0, ends[k].1)));
-        marks.filter_map(spread).chain(front).collect()
+        let laws = self.laws.iter().map(|(_, ends)| ends.map(|(x, y)| self.at(frame, x, y)));
+        marks.filter_map(spread).chain(front).chain(laws).collect()
     }
 
     fn labels(&self, area: &Area<'_>, frame: &Frame) -> Drawn {
@@ -207,12 +215,13 @@ struct Legend {
 
 impl Legend {
     fn entries(chart: &Chart) -> usize {
-        chart.series.len() + usize::from(chart.front.is_some())
+        chart.series.len() + usize::from(chart.front.is_some()) + chart.laws.len()
     }
 
     fn of(chart: &Chart) -> Self {
         let front = chart.front.iter().map(|(name, _)| name);
-        let names = chart.series.iter().map(|series| &series.name).chain(front);
+        let laws = chart.laws.iter().map(|(name, _)| name);
+        let names = chart.series.iter().map(|series| &series.name).chain(front).chain(laws);
         let widest = names.map(|name| width_of(name, LEGEND_SIZE)).fold(1.0, f64::max) + 44.0;
         let columns = (f64::from(WIDTH - 40) / widest).floor().clamp(1.0, 4.0) as i32;
         let rows = (Self::entries(chart) as i32 + columns - 1) / columns;
@@ -237,6 +246,12 @@ impl Legend {
             draw_line(area, &[(x - 8.0, y), (x + 8.0, y)], line(INK, 1.0))?;
             area.draw_text(name, &style, fine((x + 14.0, y)))?;
         }
+        let before = Self::entries(chart) - chart.laws.len();
+        for (index, (name, _)) in chart.laws.iter().enumerate() {
+            let (x, y) = place(before + index);
+            draw_dashes(area, [(x - 14.0, y), (x + 8.0, y)], index)?;
+            area.draw_text(name, &style, fine((x + 14.0, y)))?;
+        }
         Ok(())
     }
 }
@@ -250,6 +265,13 @@ fn fine((x, y): (f64, f64)) -> (i32, i32) {
 fn draw_line(area: &Area<'_>, path: &[(f64, f64)], style: ShapeStyle) -> Drawn {
     let path: Vec<(i32, i32)> = path.iter().copied().map(fine).collect();
     Ok(area.draw(&PathElement::new(path, style))?)
+}
+
+/// A dashed line, with dashes by its index.
+fn draw_dashes(area: &Area<'_>, ends: [(f64, f64); 2], index: usize) -> Drawn {
+    let dash = [5, 9, 2][index % 3] * FINE;
+    let style = line(INK, 1.25);
+    Ok(area.draw(&DashedPathElement::new(ends.map(fine), dash, 4 * FINE, style))?)
 }
 
 fn draw_mark(area: &Area<'_>, at: (f64, f64), look: Look) -> Drawn {
