@@ -245,9 +245,11 @@ fn with_everything_at_once_energy_is_conserved() {
 
 #[test]
 fn a_gpu_melts_as_the_cpu_does() {
-    for (method, most) in
-        [("euler", [1e-9, 5e-4, 0.2]), ("rkl2", [1e-6, 5e-4, 0.2]), ("tr_bdf2", [1e-3, 2e-2, 0.5])]
-    {
+    for (method, most) in [
+        ("euler", [1e-9, 5e-4, 2e-2]),
+        ("rkl2", [1e-9, 5e-4, 2e-2]),
+        ("tr_bdf2", [1e-3, 2e-2, 0.5]),
+    ] {
         for path in [PathWish::Lattice, PathWish::List] {
             let steps =
                 if method == "euler" { "0.2*spacing^2/1.28e-4" } else { "5*spacing^2/1.28e-4" };
@@ -260,14 +262,14 @@ fn a_gpu_melts_as_the_cpu_does() {
             {
                 let (report, gpu) = run_on(&scene, &on_gpu(precision), path);
                 let worst = cpu.iter().zip(&gpu).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                println!(
-                    "{method} {path:?} {}: {worst:e} K, drift {:e}",
-                    precision.name(),
-                    report.conserved.relative_drift
-                );
                 let drift = report.conserved.relative_drift.abs();
-                assert!(drift < if precision == Precision::F32 { 1e-4 } else { 1e-8 }, "{drift:e}");
-                assert!(worst < most, "{method} {path:?} {}: {worst:e} K", precision.name());
+                let kept = match precision {
+                    Precision::F64 => 1e-12,
+                    Precision::Compensated => 1e-7,
+                    Precision::F32 => 1e-5,
+                };
+                let what = format!("{method} {path:?} {}", precision.name());
+                assert!(worst < most && drift < kept, "{what}: {worst:e} K, drift {drift:e}");
             }
         }
     }
@@ -396,7 +398,9 @@ fn far_longer_steps_than_explicit_ones_still_converge() {
         case["time"] = json!({ "end": 100, "method": "tr_bdf2", "step": 10 });
         let (report, _) = run(&load(&case).expect("a case"));
         assert!(report.operator_applications < 10_000, "{}", report.operator_applications);
-        assert!(report.conserved.relative_drift.abs() < 1e-12);
+        // Flows of a step are up to 1e5 times what stays of them.
+        let drift = report.conserved.relative_drift.abs();
+        assert!(drift < 1e-10, "{drift:e}");
     }
 }
 

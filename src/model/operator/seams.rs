@@ -21,11 +21,13 @@ use crate::model::{HeatCurve, PairMean, Problem};
 pub struct Seams {
     pair_mean: PairMean,
     materials: Vec<Material>,
-    /// Each row's place, material, capacity (0 if it is not held) and end among the pairs.
+    /// In the order of their pairs.
     rows: Vec<SeamRow>,
-    /// Place and material of the other particle, and the weight, 1/s.
-    pairs: Vec<(u32, u16, f64)>,
+    pairs: Vec<Pair>,
 }
+
+/// Place and material of the other particle, and the weight, 1/s.
+type Pair = (u32, u16, f64);
 
 #[derive(Clone, Copy, Debug)]
 struct SeamRow {
@@ -51,7 +53,7 @@ impl Seams {
         };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
-            let mut found: Vec<(usize, Vec<(u32, u16, f64)>)> = Vec::new();
+            let mut found: Vec<(usize, Vec<Pair>)> = Vec::new();
             for cell in cells {
                 grid.for_each_row(
                     cell,
@@ -99,7 +101,7 @@ impl Seams {
             let place = row.place as usize;
             let own = self.at(row.material, state(place));
             let pairs = &self.pairs[first as usize..row.end as usize];
-            let short = |&(b, material, weight): &(u32, u16, f64)| {
+            let short = |&(b, material, weight): &Pair| {
                 let other = self.at(material, state(b as usize));
                 let reference =
                     [row.material, material].map(|m| self.materials[usize::from(m)].conductivity);

@@ -101,6 +101,12 @@ impl<'a> PairWeight<'a> {
         self.conductivity[self.materials_of(a, b)]
     }
 
+    /// The same with what is known of where their materials meet.
+    pub fn conductivity_between(&self, a: usize, b: usize) -> f64 {
+        let half_way = self.conductivity(a, b);
+        self.interfaces.as_ref().map_or(half_way, |interfaces| half_way * interfaces.factor(a, b))
+    }
+
     /// Deff / D of the plain operator on the lattice.
     pub fn lattice_ratio(&self) -> f64 {
         self.lattice_ratio

@@ -28,9 +28,9 @@ enum Accuracy {
 
 /// What stages are solved by.
 enum Solve<B: Backend> {
-    Linear(LinearSolve<B>),
+    Linear(Box<LinearSolve<B>>),
     /// Where the state is an enthalpy.
-    Newton(Newton<B>),
+    Newton(Box<Newton<B>>),
 }
 
 /// TR-BDF2 with conjugate gradients: both stages are solved for the change of the state.
@@ -65,8 +65,8 @@ impl<B: Backend> TrBdf2Steps<B> {
             false => None,
         };
         let solve = match backend.is_linear() {
-            true => Solve::Linear(LinearSolve::new(backend, problem, preconditioner)?),
-            false => Solve::Newton(Newton::new(backend, largest)?),
+            true => Solve::Linear(Box::new(LinearSolve::new(backend, problem, preconditioner)?)),
+            false => Solve::Newton(Box::new(Newton::new(backend, largest)?)),
         };
         Ok(Self {
             solve,

@@ -193,7 +193,7 @@ impl<'a> Mirrors<'a> {
     /// The faces that a pair goes through, by axis, and the walls there.
     fn passages(&self, pair: &GhostPair<'_>, beside: DVec3) -> Vec<Passage> {
         let Problem { domain, particles, .. } = self.problem;
-        let conductivity = self.weight.conductivity(pair.a, pair.b);
+        let conductivity = self.weight.conductivity_between(pair.a, pair.b);
         let passage = |&face: &Face| {
             let [from, to] = [pair.a, pair.b].map(|p| face.distance(domain, particles.position[p]));
             let share = if from + to > 0.0 { from / (from + to) } else { 0.5 };
