@@ -361,7 +361,9 @@ impl Proxy {
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let mut line = String::new();
-                if BufReader::new(stream).read_line(&mut line).is_ok() {
+                // A browser may connect and ask for nothing.
+                let read = BufReader::new(stream).read_line(&mut line);
+                if read.is_ok_and(|length| length > 0) {
                     kept.lock().expect("no thread fails").push(line);
                 }
             }
