@@ -2,23 +2,20 @@
 
 use std::ops::ControlFlow;
 
-use diffusph::case::{self, Override, Scene};
+use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision};
 use diffusph::study::{self, RunOptions};
 
+use cases::shipped;
 use support::device;
 
+#[expect(dead_code, reason = "other tests write their own cases")]
+#[path = "cases/support.rs"]
+mod cases;
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
 mod support;
-
-fn shipped(name: &str, overrides: &[&str]) -> Scene {
-    let own = ["output={}", "probes=[]"].iter().chain(overrides);
-    let overrides: Vec<Override> =
-        own.map(|text| Override::parse(text).expect("it is an override")).collect();
-    case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
 
 fn run(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
     let options = RunOptions { path, ..RunOptions::new(machine) };

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use diffusph::case::{self, Override, Scene};
+use diffusph::case::Scene;
 use diffusph::model::Problem;
 use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::report::run::RunReport;
@@ -11,20 +11,13 @@ use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use diffusph::study::{self, RunOptions};
 use serde_json::{Value, json};
 
+use cases::{load, shipped};
+
+#[path = "cases/support.rs"]
+mod cases;
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
 mod support;
-
-fn shipped(name: &str, overrides: &[&str]) -> Scene {
-    let own = ["output={}", "probes=[]"].iter().chain(overrides);
-    let overrides: Vec<Override> =
-        own.map(|text| Override::parse(text).expect("it is an override")).collect();
-    case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
-
-fn load(case: &Value) -> Result<Scene, String> {
-    case::from_json("test", case.clone(), &[]).map_err(|error| error.to_string())
-}
 
 fn run_on(scene: &Scene, path: PathWish) -> (RunReport, Vec<f64>) {
     let options = RunOptions { path, ..RunOptions::new(&Machine::Cpu) };

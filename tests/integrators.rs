@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use diffusph::case::{self, Override, Scene};
+use diffusph::case::{self, Scene};
 use diffusph::model::Problem;
 use diffusph::model::integrator::Method;
 use diffusph::report::run::RunReport;
@@ -11,13 +11,11 @@ use diffusph::solver::{Backend, Machine, SolverError};
 use diffusph::study::{self, RunOptions};
 use serde_json::{Value, json};
 
-/// A shipped case with overrides, without outputs on the way.
-fn shipped(name: &str, overrides: &[&str]) -> Scene {
-    let own = ["output={}", "probes=[]"].iter().chain(overrides);
-    let overrides: Vec<Override> =
-        own.map(|text| Override::parse(text).expect("it is an override")).collect();
-    case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
+use cases::shipped;
+
+#[expect(dead_code, reason = "other tests write their own cases")]
+#[path = "cases/support.rs"]
+mod cases;
 
 /// A case with other keys of `time`.
 fn with(case: &Value, time: Value) -> Scene {

@@ -1,27 +1,20 @@
 //! Enthalpy: melting and freezing, conductivities that depend on temperature, on every path and machine.
 
+#[path = "cases/support.rs"]
+mod cases;
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
 mod support;
 
 use std::ops::ControlFlow;
 
-use diffusph::case::{self, Override, Scene};
+use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision, SolverError};
 use diffusph::study::{self, Outcome, RunOptions};
 use serde_json::{Value, json};
 
-fn shipped(name: &str, overrides: &[&str]) -> Scene {
-    let own = ["output={}", "probes=[]"].iter().chain(overrides);
-    let overrides: Vec<Override> =
-        own.map(|text| Override::parse(text).expect("it is an override")).collect();
-    case::load(name, &overrides).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
-
-fn load(case: &Value) -> Result<Scene, String> {
-    case::from_json("test", case.clone(), &[]).map_err(|error| error.to_string())
-}
+use cases::{load, shipped};
 
 fn outcome(scene: &Scene, machine: &Machine, path: PathWish) -> Outcome {
     let options = RunOptions { path, ..RunOptions::new(machine) };

@@ -8,7 +8,7 @@ use super::error::{CaseError, nearest};
 use super::exact::{Setting, resolve as resolve_exact};
 use super::geometry::{WHOLE, particles};
 use super::initial::{Ground, Initial, Recipient, resolve as resolve_initial};
-use super::material::MaterialSpec;
+use super::material::{MaterialSpec, material_index};
 use super::number::{AXES, Evaluator, Field, in_range, show};
 use super::plan::{fields, fill_in_defaults, probes, time};
 use super::schema::Case;
@@ -77,8 +77,12 @@ fn problem(
     time.breaks.sort_by(f64::total_cmp);
     time.breaks.dedup();
     warn_of_lost_parts(&initial, &held, &particles, &evaluator, warnings);
-    let range = range_of_values(&initial.value, &walls, &domain);
-    let materials = resolve_materials(case, &evaluator, Some(range))?;
+    let materials = if case.materials.values().any(MaterialSpec::depends_on_temperature) {
+        let range = range_of_values(&initial.value, &walls, &domain);
+        resolve_materials(case, &evaluator, Some(range))?
+    } else {
+        materials
+    };
     let setting = Setting {
         evaluator: &evaluator,
         domain: &domain,
@@ -94,7 +98,7 @@ fn problem(
         spacing,
         domain,
         probes: probes(case, &evaluator, &domain, spacing)?,
-        initial: initial.state(&particles, &materials, &held),
+        initial: initial.into_state(&particles, &materials, &held),
         particles,
         materials,
         kernel,
@@ -210,7 +214,6 @@ fn contacts(
     evaluator: &Evaluator,
     pair_mean: PairMean,
 ) -> Result<Vec<ContactResistance>, CaseError> {
-    let names: Vec<&String> = case.materials.keys().collect();
     let mut contacts: Vec<ContactResistance> = Vec::new();
     for (index, spec) in case.contacts.iter().enumerate() {
         let path = format!("contacts[{index}]");
@@ -223,13 +226,8 @@ fn contacts(
             return Err(CaseError::WrongType { path: format!("{path}.between"), reason });
         };
         let material = |k: usize, name: &String| {
-            let found = names.iter().position(|known| *known == name);
-            found.map(|found| found as u16).ok_or_else(|| {
-                let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
-                let nearest = nearest(name, &known, 1);
-                let path = format!("{path}.between[{k}]");
-                CaseError::UnknownName { path, text: name.clone(), nearest, known }
-            })
+            let path = format!("{path}.between[{k}]");
+            material_index(&path, name, case.materials.keys()).map(|index| index as u16)
         };
         let mut between = [material(0, one)?, material(1, other)?];
         between.sort_unstable();

@@ -1,8 +1,9 @@
 //! The `particles` section: fills to a domain and its particles.
 
 use super::boundary::periodic;
-use super::error::{CaseError, nearest};
+use super::error::CaseError;
 use super::fill::{Fill, Lattice};
+use super::material::material_index;
 use super::number::{AXES, Evaluator};
 use super::schema::{Case, FillSpec};
 use super::shape::ShapeSpec;
@@ -37,18 +38,13 @@ pub(super) fn particles(
 }
 
 fn fills(case: &Case, evaluator: &Evaluator) -> Result<Vec<Fill>, CaseError> {
-    let names: Vec<&String> = case.materials.keys().collect();
     let fill = |(index, spec): (usize, &FillSpec)| {
         let path = format!("particles.fill[{index}]");
         let shape_path = format!("{path}.shape");
         let shape = spec.shape.resolve(evaluator, &shape_path)?;
         let bounds = shape.bounds().ok_or(CaseError::Unbounded { path: shape_path })?;
-        let material = names.iter().position(|name| **name == spec.material).ok_or_else(|| {
-            let known: Vec<String> = names.iter().map(|&name| name.clone()).collect();
-            let nearest = nearest(&spec.material, &known, 1);
-            let (path, text) = (format!("{path}.material"), spec.material.clone());
-            CaseError::UnknownName { path, text, nearest, known }
-        })?;
+        let names = case.materials.keys();
+        let material = material_index(&format!("{path}.material"), &spec.material, names)?;
         Ok(Fill { path, shape, bounds, material: material as u16 })
     };
     case.particles.fill.iter().enumerate().map(fill).collect()

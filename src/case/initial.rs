@@ -35,8 +35,8 @@ pub(super) struct Recipient {
 
 impl Initial {
     /// The state of every particle: what belongs to its value, and then the deposits; `held` ones take none.
-    pub(super) fn state(
-        &self,
+    pub(super) fn into_state(
+        self,
         particles: &Particles,
         materials: &[Material],
         held: &[u32],
@@ -45,8 +45,10 @@ impl Initial {
             let curve = &materials[usize::from(material)].curve;
             curve.as_ref().map_or(value, |curve| curve.enthalpy(value))
         };
-        let mut state: Vec<f64> =
-            self.value.par_iter().zip(&particles.material).map(of_particle).collect();
+        let mut state = match materials.iter().any(|material| material.curve.is_some()) {
+            true => self.value.par_iter().zip(&particles.material).map(of_particle).collect(),
+            false => self.value,
+        };
         let takes = |recipient: &&Recipient| held.binary_search(&recipient.particle).is_err();
         for recipient in self.recipients.iter().filter(takes) {
             state[recipient.particle as usize] += recipient.rise;

@@ -128,6 +128,13 @@ impl MaterialSpec {
         self.diffusivity.is_none()
     }
 
+    /// Whether what it conducts, or its heat, may depend on its temperature.
+    pub(super) fn depends_on_temperature(&self) -> bool {
+        let liquid = self.liquid.as_ref().and_then(|liquid| liquid.conductivity.as_ref());
+        let mut conductivities = self.conductivity.iter().chain(liquid);
+        self.melting_temperature.is_some() || conductivities.any(|spec| !spec.0.is_number())
+    }
+
     /// Writes down what is taken where nothing is given.
     pub(super) fn fill_in_defaults(&mut self) {
         self.density.get_or_insert(DEFAULT_DENSITY.into());
@@ -312,15 +319,25 @@ fn table(path: &str, pairs: &[Value], evaluator: &Evaluator) -> Result<Conductiv
     Ok(Conductivity::of_points(points))
 }
 
+/// The index of the material of this name, of all `names`.
+pub(super) fn material_index<'a>(
+    path: &str,
+    name: &str,
+    names: impl Iterator<Item = &'a String> + Clone,
+) -> Result<usize, CaseError> {
+    names.clone().position(|known| known == name).ok_or_else(|| {
+        let known: Vec<String> = names.cloned().collect();
+        let nearest = nearest(name, &known, 1);
+        CaseError::UnknownName { path: path.to_owned(), text: name.to_owned(), nearest, known }
+    })
+}
+
 /// The material of this name.
 pub(super) fn material_by_name<'a>(
     path: &str,
     name: &str,
     materials: &'a [Material],
 ) -> Result<&'a Material, CaseError> {
-    materials.iter().find(|material| material.name == name).ok_or_else(|| {
-        let known: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
-        let nearest = nearest(name, &known, 1);
-        CaseError::UnknownName { path: path.to_owned(), text: name.to_owned(), nearest, known }
-    })
+    let names = materials.iter().map(|material| &material.name);
+    Ok(&materials[material_index(path, name, names)?])
 }

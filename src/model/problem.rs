@@ -177,6 +177,9 @@ impl Problem {
 
     /// Whether all particles follow the same curve, or none.
     pub fn has_one_curve(&self) -> bool {
+        if self.materials.iter().all(|material| material.curve.is_none()) {
+            return true;
+        }
         let material = |m: &u16| &self.materials[usize::from(*m)];
         let Some(first) = self.particles.material.first().map(material) else {
             return true;

@@ -74,9 +74,9 @@ impl HeatCurve {
         let first =
             temperatures.first().copied().unwrap_or(if end.is_finite() { end } else { 0.0 });
         temperatures.insert(0, first - 1.0);
+        let start = first - 1.0;
         let mut made =
-            Builder { segments: Vec::new(), enthalpy: first - 1.0, potential: 0.0, reference };
-        made.potential = first - 1.0;
+            Builder { segments: Vec::new(), enthalpy: start, potential: start, reference };
         if end.is_finite() {
             temperatures.push(end);
         }

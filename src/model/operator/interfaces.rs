@@ -38,9 +38,11 @@ impl<'a> Interfaces<'a> {
         // Up to two spacings a pair runs half through the cell of each.
         let is_wide = problem.kernel.support_radius() > 2.0 * problem.spacing * (1.0 + 1e-9);
         let counts = is_wide || !problem.contacts.is_empty();
+        if !counts || problem.pair_mean != PairMean::Harmonic {
+            return None;
+        }
         let first = problem.particles.material.first();
-        let several = problem.particles.material.iter().any(|m| Some(m) != first);
-        if !(counts && several && problem.pair_mean == PairMean::Harmonic) {
+        if problem.particles.material.iter().all(|m| Some(m) == first) {
             return None;
         }
         let (counts, order) = sites_with_particles(problem)?;

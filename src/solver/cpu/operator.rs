@@ -67,16 +67,31 @@ pub(super) trait CpuOperator: Send + Sync {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        let given = self.apply(now, out, RATE) + enthalpy.add_seams(out);
-        enthalpy.advance(out, dt);
-        given
+        step_in_turn(self, now, out, enthalpy, dt)
     }
+
+    /// Writes 0 where there is no particle.
+    fn clear_absent(&self, _out: &mut [f64]) {}
 
     /// A_aa, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
 
     /// Bytes that it holds.
     fn memory_bytes(&self) -> u64;
+}
+
+/// A step of an enthalpy that finds all rates first.
+pub(super) fn step_in_turn<O: CpuOperator + ?Sized>(
+    operator: &O,
+    now: &Now<'_>,
+    out: &mut [f64],
+    enthalpy: &mut Enthalpy,
+    dt: f64,
+) -> f64 {
+    let given = operator.apply(now, out, RATE) + enthalpy.add_seams(out);
+    operator.clear_absent(out);
+    enthalpy.advance(out, dt);
+    given
 }
 
 /// As [`CpuOperator::apply`]; returns what walls gave as well.

@@ -7,7 +7,7 @@ mod uniform;
 use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
-use super::operator::{Combine, CpuOperator, Now, RATE};
+use super::operator::{Combine, CpuOperator, Now, RATE, step_in_turn};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -94,6 +94,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         given.iter().sum()
     }
 
+    fn clear_absent(&self, out: &mut [f64]) {
+        self.0.clear_absent(0, out);
+    }
+
     /// Each part while it is in the cache: enthalpy costs little more than reading and writing it.
     fn step_enthalpy(
         &self,
@@ -102,13 +106,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        let task = self.task();
         if enthalpy.has_seams() {
-            let given = self.apply(now, out, RATE) + enthalpy.add_seams(out);
-            self.0.clear_absent(0, out);
-            enthalpy.advance(out, dt);
-            return given;
+            return step_in_turn(self, now, out, enthalpy, dt);
         }
+        let task = self.task();
         let (curves, values) = enthalpy.parts();
         let scratch = || Scratch::new(self.0.scene());
         let advance =
