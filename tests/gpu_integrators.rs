@@ -6,11 +6,11 @@ use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision};
 use diffusph::study::{self, RunOptions};
+use serde_json::json;
 
 use cases::shipped;
 use support::device;
 
-#[expect(dead_code, reason = "other tests write their own cases")]
 #[path = "cases/support.rs"]
 mod cases;
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
@@ -75,6 +75,46 @@ fn in_f32_increments_keep_what_states_would_lose() {
             let [less, more] = [here.operator_applications, there.operator_applications];
             assert!(off < most, "{method} {precision:?}: {off:e}");
             assert!(2 * more <= 3 * less, "{method} {precision:?}: {more} for {less}");
+        }
+    }
+}
+
+/// A body of 16 by 16 particles in which nothing is held: beside one that a wall holds, beside a particle
+/// alone, or a sheet in three dimensions.
+fn floating(beside: &str) -> Scene {
+    let body = |min: &[f64], max: &[f64]| json!({ "shape": { "box": { "min": min, "max": max } }, "material": "m" });
+    let held = json!({ "wall": { "faces": ["x_min"], "kind": { "value": 1 } } });
+    let (dimension, fill, boundaries) = match beside {
+        "a wall" => {
+            (2, vec![body(&[0.0, 0.0], &[0.8, 1.6]), body(&[1.0, 0.0], &[2.6, 1.6])], json!([held]))
+        }
+        "a particle" => {
+            (2, vec![body(&[0.0, 0.0], &[1.6, 1.6]), body(&[2.5, 0.0], &[2.6, 0.1])], json!([]))
+        }
+        _ => (3, vec![body(&[0.0; 3], &[1.6, 1.6, 0.1])], json!([])),
+    };
+    let case = json!({
+        "title": "floating", "dimension": dimension,
+        "particles": { "spacing": 0.1, "fill": fill },
+        "kernel": { "name": "cubic_spline", "support_ratio": 2 },
+        "materials": { "m": { "diffusivity": 1 } },
+        "initial": [{ "value": "0.5*sin(137.3*x + 91.7*y^2 + 50*x*y)" }],
+        "boundaries": boundaries,
+        "time": { "end": 1, "method": "steady" }
+    });
+    cases::load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn bodies_in_which_nothing_is_held_have_a_steady_state_in_every_precision() {
+    for beside in ["a wall", "a particle", "nothing"] {
+        let scene = floating(beside);
+        let (_, here) = run(&scene, &Machine::Cpu, PathWish::List);
+        for precision in Precision::ALL {
+            let (report, there) = run(&scene, &gpu(precision), PathWish::List);
+            let off = distance(&here, &there);
+            assert!(off < 10.0 * precision.finest(), "{beside}, {precision:?}: {off:e}");
+            assert!(report.operator_applications < 100, "{}", report.operator_applications);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a time integrator needs of a machine.
 
-use super::SolverError;
+use super::{Precision, SolverError};
 
 /// The state of a scene on some machine, with the operations that time integrators and solvers are
 /// made of.
@@ -21,6 +21,9 @@ pub trait Backend {
 
     /// Takes `count` explicit Euler steps of `dt` (s) from `time` (s), which is where the state is.
     fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError>;
+
+    /// The precision that it computes in.
+    fn precision(&self) -> Precision;
 
     /// Blocks until everything asked for so far is done: steps may only have been handed over.
     fn wait(&mut self) -> Result<(), SolverError>;

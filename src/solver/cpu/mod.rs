@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Backend, SolverError};
+use super::{Backend, Precision, SolverError};
 use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::rows::{Rows, assemble, cell_grid};
@@ -339,6 +339,10 @@ impl Backend for CpuBackend {
 
     fn largest_value(&mut self) -> Result<f64, SolverError> {
         Ok(largest(self.content()))
+    }
+
+    fn precision(&self) -> Precision {
+        Precision::F64
     }
 
     fn is_linear(&self) -> bool {

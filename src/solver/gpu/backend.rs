@@ -13,6 +13,10 @@ impl Backend for GpuBackend {
         Ok(self.steps.run(&self.device, time, dt, self.reference_step, count)?)
     }
 
+    fn precision(&self) -> Precision {
+        self.operator.precision()
+    }
+
     fn wait(&mut self) -> Result<(), SolverError> {
         Ok(self.device.wait_for_all()?)
     }

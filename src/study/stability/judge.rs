@@ -127,6 +127,12 @@ impl Judge<'_> {
         !self.is_warned() && (!way.solves() || contrast(self.problem) <= MOST_CONTRAST)
     }
 
+    /// What the end of a linear system's solve leaves in the field, over what it leaves of the residual: as much as
+    /// the contrast is.
+    fn unsolved(&self, way: Way) -> f64 {
+        if way.solves() { self.precision.finest() * contrast(self.problem) } else { 0.0 }
+    }
+
     /// What `trial` in this `way` is held to; `reference` is what it should have come to, `halved` the same
     /// with half the step, and `in_f64` the state of the same way in f64.
     pub(super) fn checks(
@@ -139,6 +145,7 @@ impl Judge<'_> {
     ) -> Vec<Check> {
         let mut checks = vec![self.bounded(way, trial), self.kept(trial)];
         let scale = self.range.scale();
+        let unsolved = self.unsolved(way);
         if let Some(reference) = reference {
             let error = distance(&trial.state, reference, scale);
             let promised = self.is_promised(way);
@@ -157,11 +164,11 @@ impl Judge<'_> {
                 }
                 (Way::Steady, _) => {
                     let off = STEADY_OFF.max(10.0 * self.precision.finest());
-                    Check::at_most("error", error, off, promised)
+                    Check::at_most("error", error, off.max(unsolved), promised)
                 }
                 (Way::Tolerant(_) | Way::Slow, _) => {
                     let most = TIMES_TOLERANCE * Tolerance::DEFAULT.relative;
-                    Check::at_most("error", error, most, promised)
+                    Check::at_most("error", error, most + unsolved, promised)
                 }
             });
         }
@@ -178,7 +185,7 @@ impl Judge<'_> {
                 (_, Precision::Compensated | Precision::F64) => 1e-6,
             };
             let what = format!("{} against f64", self.precision.name());
-            checks.push(Check::at_most(&what, off, most, !self.is_warned()));
+            checks.push(Check::at_most(&what, off, most.max(unsolved), self.is_promised(way)));
         }
         checks
     }
@@ -196,6 +203,7 @@ impl Judge<'_> {
             }
             Way::Steady => (STEADY_OFF.max(10.0 * self.precision.finest()), self.is_promised(way)),
         };
+        let most = most.max(self.unsolved(way));
         Check::at_most("leaves the range by", left, most, promised && self.range.is_whole)
     }
 

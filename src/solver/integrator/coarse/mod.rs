@@ -4,7 +4,7 @@ mod boxes;
 mod envelope;
 
 use crate::model::Problem;
-use crate::solver::{Backend, SolverError};
+use crate::solver::{Backend, Precision, SolverError};
 use boxes::Boxes;
 use envelope::Envelope;
 
@@ -12,8 +12,13 @@ use envelope::Envelope;
 pub(super) const NONE: u32 = u32::MAX;
 
 /// A pivot of a coarse matrix below this part of its diagonal is rounding: where nothing imposes a value the
-/// matrix is singular.
-const REGULAR: f64 = 1e-10;
+/// matrix is singular. Sums over neighbours are of f32 where values have two words, too.
+fn regular(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 | Precision::Compensated => 1e-5,
+        Precision::F64 => 1e-10,
+    }
+}
 
 /// Boxes of particles, each of one material, as piecewise constant functions (the coarse level of an additive
 /// Schwarz method: Nicolaides 1987, SIAM J. Numer. Anal. 24, 355; Smith, Bjorstad and Gropp 1996, section
@@ -85,7 +90,7 @@ impl Coarse {
             other => {
                 let [shift, scale] = matrix;
                 let diagonal = |k: usize| shift * self.volume[k];
-                let factor = self.operator.factor(scale, diagonal, REGULAR);
+                let factor = self.operator.factor(scale, diagonal, regular(backend.precision()));
                 &mut other.insert((matrix, factor)).1
             }
         };
