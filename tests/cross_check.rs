@@ -1,13 +1,16 @@
 //! The CPU path against the GPU, through types that cannot be mixed up.
 
+use std::ops::ControlFlow;
+
 use diffusph::case::{self, Override, Scene};
 use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::cpu::{CpuBackend, CpuField};
 use diffusph::solver::gpu::{GpuBackend, GpuField};
-use diffusph::solver::{Backend, Precision};
+use diffusph::solver::{Backend, Machine, PathWish, Precision};
+use diffusph::study::{self, RunOptions};
 
-use support::{brute_force, device, epsilon, random_lattice};
+use support::{brute_force, by_neighbors, device, epsilon, random_lattice};
 
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
@@ -71,12 +74,12 @@ fn rate_tolerance(problem: &Problem, precision: Precision) -> Vec<f64> {
     brute_force(problem, both).into_iter().map(|(_, tolerance)| tolerance).collect()
 }
 
-/// [`rates_apart`] with `on_cpu` on one side and `on_gpu` on the other.
-fn compare_rates(on_cpu: &Problem, on_gpu: &Problem, precision: Precision) -> usize {
-    let mut backend = GpuBackend::new(on_gpu, 1e-3, device(), precision).expect("backend");
-    let (rate, on_device) =
-        (CpuBackend::of(on_cpu).rate(0.0).expect("rate"), backend.rate(0.0).expect("rate"));
-    rates_apart(&rate, &on_device, &rate_tolerance(on_cpu, precision))
+/// [`rates_apart`] with `on_cpu` on one side and `on_gpu`, by list and matrix-free, on the other.
+fn compare_rates(on_cpu: &Problem, on_gpu: &Problem, precision: Precision) -> [usize; 2] {
+    let rate = CpuBackend::of(on_cpu).rate(0.0).expect("rate");
+    let allowed = rate_tolerance(on_cpu, precision);
+    by_neighbors(on_gpu, 1e-3, precision)
+        .map(|(_, mut backend)| rates_apart(&rate, &backend.rate(0.0).expect("rate"), &allowed))
 }
 
 /// A jittered lattice with random values, volumes and diffusivities of contrast 1e3.
@@ -92,7 +95,11 @@ fn rates_agree_in_every_kernel_dimension_mean_and_precision() {
                 let problem = Problem { pair_mean, ..jittered(kernel, dimension) };
                 for precision in Precision::ALL {
                     let apart = compare_rates(&problem, &problem, precision);
-                    assert_eq!(apart, 0, "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}");
+                    assert_eq!(
+                        apart,
+                        [0, 0],
+                        "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}"
+                    );
                 }
             }
         }
@@ -105,12 +112,14 @@ fn the_cross_check_of_rates_notices_one_volume_and_the_other_mean() {
         let problem = jittered(KernelKind::WendlandC4, 2);
         let mut volume = problem.clone();
         volume.particles.volume[40] *= 1.01;
-        assert!(compare_rates(&problem, &volume, precision) > 0, "{precision:?}");
+        let apart = compare_rates(&problem, &volume, precision);
+        assert!(apart.iter().all(|&apart| apart > 0), "{precision:?}: {apart:?}");
         let [one, other] = PairMean::ALL;
         let swapped = if problem.pair_mean == one { other } else { one };
         let mean = Problem { pair_mean: swapped, ..problem.clone() };
         let most = problem.particles.len();
-        assert!(compare_rates(&problem, &mean, precision) > most / 2, "{precision:?}");
+        let apart = compare_rates(&problem, &mean, precision);
+        assert!(apart.iter().all(|&apart| apart > most / 2), "{precision:?}: {apart:?}");
     }
 }
 
@@ -126,16 +135,19 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
         let mut on_cpu = CpuBackend::of(&problem);
         on_cpu.euler(0.0, dt, STEPS).expect("steps");
         for precision in Precision::ALL {
-            let mut on_gpu = GpuBackend::new(&problem, dt, device(), precision).expect("backend");
-            on_gpu.euler(0.0, dt, STEPS).expect("steps");
-            let found = difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
-            let allowed = tolerance(&problem, precision);
-            assert!(found <= allowed, "{} in {precision:?}: {found:e} > {allowed:e}", scene.name);
-            let given = on_cpu.exchange().expect("exchange");
-            let volume: f64 = problem.capacities().iter().sum();
-            let scale = volume * problem.initial.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
-            let off = (given - on_gpu.exchange().expect("exchange")).abs();
-            assert!(off <= allowed * scale, "{}: exchange off by {off:e}", scene.name);
+            for (path, mut on_gpu) in by_neighbors(&problem, dt, precision) {
+                on_gpu.euler(0.0, dt, STEPS).expect("steps");
+                let name = format!("{} by {path} in {precision:?}", scene.name);
+                let found =
+                    difference(&on_cpu.read().expect("read"), &on_gpu.read().expect("read"));
+                let allowed = tolerance(&problem, precision);
+                assert!(found <= allowed, "{name}: {found:e} > {allowed:e}");
+                let given = on_cpu.exchange().expect("exchange");
+                let volume: f64 = problem.capacities().iter().sum();
+                let scale = volume * problem.initial.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
+                let off = (given - on_gpu.exchange().expect("exchange")).abs();
+                assert!(off <= allowed * scale, "{name}: exchange off by {off:e}");
+            }
         }
     }
 }
@@ -171,4 +183,28 @@ fn saved_states_come_back_on_both_sides() {
     }
     check(CpuBackend::of(&problem), dt);
     check(gpu, dt);
+}
+
+#[test]
+fn a_run_without_a_list_is_one_and_says_so() {
+    let overrides = ["output={}", "probes=[]"].map(|text| Override::parse(text).expect("good"));
+    let scene = case::load("annulus_steady", &overrides).expect("a shipped case");
+    let on = |machine: &Machine, path| {
+        let options = RunOptions { path, ..RunOptions::new(machine) };
+        study::run(&scene, &options, &mut |_| ControlFlow::Continue(()))
+    };
+    let gpu = Machine::Gpu { device: device().clone(), precision: Precision::F64 };
+    let listed = on(&gpu, PathWish::List).expect("a run");
+    let searched = on(&gpu, PathWish::MatrixFree).expect("a run");
+    let (list, search) = (&listed.report, &searched.report);
+    assert_eq!((list.path.as_str(), search.path.as_str()), ("list", "matrix-free"));
+    assert!(search.left_out.iter().any(|left| left.what == "neighbour list and weights"));
+    // Nearly eight entries of 12 bytes a particle, and places in cells instead.
+    let saved = list.memory_bytes - search.memory_bytes;
+    assert!(saved > 50 * list.particles, "{} {}", list.memory_bytes, search.memory_bytes);
+    let largest = listed.state.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+    let apart = listed.state.iter().zip(&searched.state).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) <= 1e-12 * largest);
+    let refused = on(&Machine::Cpu, PathWish::MatrixFree).expect_err("the CPU has no such path");
+    assert!(refused.is_usage() && refused.to_string().contains("--backend gpu"), "{refused}");
 }

@@ -8,8 +8,8 @@ use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
-    CHUNK, COMBINATION, Choices, GRID, STEP_SIZE, WallTerms, enthalpy, finite, potential_change,
-    self_test, slope_root, still,
+    CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, enthalpy, finite,
+    potential_change, self_test, slope_root, still,
 };
 use diffusph::solver::gpu::vector::{ENTRIES, PLACES, UPDATE, vector_passes};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -76,6 +76,7 @@ fn combinations() -> Vec<Choices> {
                             held: bit(0),
                             walls,
                             uniform: bit(1),
+                            neighbors: Neighbors::Listed,
                             precision,
                             workgroup_size: 64,
                         }));
@@ -85,6 +86,20 @@ fn combinations() -> Vec<Choices> {
         }
     }
     all
+}
+
+/// The same without a list, of one kernel: each is part of the list's passes too.
+fn searches() -> impl Iterator<Item = Choices> {
+    let is_one = |choices: &Choices| {
+        (choices.kernel, choices.pair_mean) == (KernelKind::CubicSpline, PairMean::Harmonic)
+    };
+    combinations().into_iter().filter(is_one).flat_map(|choices| {
+        // What walls add to a row is named by the fold.
+        let folded = [false, true]
+            .into_iter()
+            .filter(move |folded| *folded || choices.walls == WallTerms::None);
+        folded.map(move |folded| Choices { neighbors: Neighbors::Searched { folded }, ..choices })
+    })
 }
 
 /// Lattices of every kind: the stencil is written out or a loop.
@@ -124,6 +139,7 @@ fn a_choice(precision: Precision) -> Choices {
 fn every_combination_is_valid() {
     let mut seen = BTreeSet::new();
     let passes = combinations().into_iter().flat_map(|choices| choices.all());
+    let passes = passes.chain(searches().flat_map(|choices| choices.all()));
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];

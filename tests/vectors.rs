@@ -25,6 +25,8 @@ enum Path {
     List,
     /// A list in chunks.
     ChunkedList,
+    /// A search in every sum.
+    MatrixFree,
     Lattice,
     /// A lattice whose state is in parts of four layers.
     SplitLattice,
@@ -47,6 +49,7 @@ fn gpu(problem: &Problem, path: Path, precision: Precision) -> GpuBackend {
     };
     let backend = match path {
         Path::List => list(whole),
+        Path::MatrixFree => list(GpuOptions { matrix_free: true, ..whole }),
         // A slice of 32 rows, and a slot of a wall in each.
         Path::ChunkedList => list(in_chunks(32 * (neighbors as u64 + 2) * precision.bytes())),
         Path::Lattice => lattice(&LatticeScene::of(problem).expect("a lattice"), whole),
@@ -257,7 +260,7 @@ fn ordered(dimension: usize, boundary: usize) -> Problem {
 fn every_boundary_agrees_on_every_path() {
     for boundary in 0..boundaries(2).len() {
         let problem = ordered(2, boundary);
-        for path in [Path::List, Path::Lattice, Path::SplitLattice] {
+        for path in [Path::List, Path::MatrixFree, Path::Lattice, Path::SplitLattice] {
             for precision in Precision::ALL {
                 assert_agreement(&problem, path, precision, &format!("{boundary}"));
             }
@@ -296,7 +299,9 @@ fn disordered_scenes_of_several_materials_agree() {
     for kind in WallKind::ALL {
         let problem = disordered(kind, 2);
         for precision in Precision::ALL {
-            assert_agreement(&problem, Path::List, precision, &format!("{kind:?}"));
+            for path in [Path::List, Path::MatrixFree] {
+                assert_agreement(&problem, path, precision, &format!("{kind:?}"));
+            }
         }
         assert_agreement(&problem, Path::ChunkedList, Precision::F64, &format!("{kind:?}"));
     }
@@ -305,9 +310,10 @@ fn disordered_scenes_of_several_materials_agree() {
 
 #[test]
 fn one_changed_number_is_noticed() {
-    for (problem, path) in
-        [(ordered(2, 10), Path::Lattice), (disordered(WallKind::Value, 2), Path::List)]
-    {
+    for (problem, path) in [Path::Lattice, Path::List, Path::MatrixFree].map(|path| match path {
+        Path::Lattice => (ordered(2, 10), path),
+        _ => (disordered(WallKind::Value, 2), path),
+    }) {
         for precision in Precision::ALL {
             let here = readings(CpuBackend::of(&problem), &problem, SCRIPT);
             let there = |script| readings(gpu(&problem, path, precision), &problem, script);
@@ -375,7 +381,7 @@ fn stepped<B: Backend>(mut backend: B, dt: f64) -> (Vec<f64>, f64) {
 fn sums_and_steps_take_turns() {
     for (problem, paths) in [
         (ordered(2, 10), vec![Path::Lattice, Path::SplitLattice]),
-        (disordered(WallKind::Value, 2), vec![Path::List, Path::ChunkedList]),
+        (disordered(WallKind::Value, 2), vec![Path::List, Path::ChunkedList, Path::MatrixFree]),
     ] {
         let (dt, neighbors) = step(&problem);
         let (here, given) = stepped(CpuBackend::of(&problem), dt);

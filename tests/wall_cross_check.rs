@@ -9,7 +9,7 @@ use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use diffusph::solver::{Backend, Precision};
 use glam::DVec3;
 
-use support::{brute_force, device, epsilon, random_lattice};
+use support::{brute_force, by_neighbors, device, epsilon, random_lattice};
 
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
@@ -90,14 +90,17 @@ fn rate_tolerance(problem: &Problem, precision: Precision, t: f64) -> Vec<f64> {
     allowed
 }
 
-/// How many rates of the two scenes, one on each side, differ by more than roundings explain.
-fn rates_apart(on_cpu: &Problem, on_gpu: &Problem, precision: Precision, t: f64) -> usize {
+/// How many rates of the two scenes, one on the CPU and one on the GPU, by list and matrix-free, differ by
+/// more than roundings explain.
+fn rates_apart(on_cpu: &Problem, on_gpu: &Problem, precision: Precision, t: f64) -> [usize; 2] {
     let here = CpuBackend::of(on_cpu).rate(t).expect("rate");
-    let there = gpu(on_gpu, precision).rate(t).expect("rate");
     let allowed = rate_tolerance(on_cpu, precision, t);
-    let pairs = here.as_ref().iter().zip(there.as_ref()).zip(&allowed);
-    let agree = |((a, b), allowed): &((&f64, &f64), &f64)| (*a - *b).abs() <= **allowed;
-    pairs.filter(|pair| !agree(pair)).count()
+    by_neighbors(on_gpu, STEP, precision).map(|(_, mut backend)| {
+        let there = backend.rate(t).expect("rate");
+        let pairs = here.as_ref().iter().zip(there.as_ref()).zip(&allowed);
+        let agree = |((a, b), allowed): &((&f64, &f64), &f64)| (*a - *b).abs() <= **allowed;
+        pairs.filter(|pair| !agree(pair)).count()
+    })
 }
 
 #[test]
@@ -108,7 +111,7 @@ fn rates_agree_for_every_kind_dimension_kernel_and_precision() {
                 for precision in Precision::ALL {
                     let problem = walled(kernel, dimension, kind, precision == Precision::F64);
                     let apart = rates_apart(&problem, &problem, precision, 0.013);
-                    assert_eq!(apart, 0, "{kind:?} {kernel:?} {dimension}-D {precision:?}");
+                    assert_eq!(apart, [0, 0], "{kind:?} {kernel:?} {dimension}-D {precision:?}");
                 }
             }
         }
@@ -140,11 +143,14 @@ fn sources_agree_and_a_changed_one_is_noticed() {
             for kind in [WallKind::Free, WallKind::Value] {
                 let problem = fed(kind, dimension, precision == Precision::F64);
                 let apart = rates_apart(&problem, &problem, precision, 0.013);
-                assert_eq!(apart, 0, "{kind:?} {dimension}-D {precision:?}");
+                assert_eq!(apart, [0, 0], "{kind:?} {dimension}-D {precision:?}");
                 let mut changed = problem.clone();
                 changed.sources[1].linear = ScalarField::constant(9.1);
                 let apart = rates_apart(&problem, &changed, precision, 0.013);
-                assert!(apart > 0, "{kind:?} {dimension}-D {precision:?}");
+                assert!(
+                    apart.iter().all(|&apart| apart > 0),
+                    "{kind:?} {dimension}-D {precision:?}"
+                );
             }
         }
     }
@@ -160,7 +166,8 @@ fn a_changed_wall_is_noticed() {
             let imposed = condition.imposed.clone();
             condition.imposed = ScalarField::new("off", move |x, t| 1.01 * imposed.at(x, t))
                 .depending_on(true, false);
-            assert!(rates_apart(&problem, &changed, precision, 0.0) > 0, "{kind:?} {precision:?}");
+            let apart = rates_apart(&problem, &changed, precision, 0.0);
+            assert!(apart.iter().all(|&apart| apart > 0), "{kind:?} {precision:?}: {apart:?}");
         }
     }
 }
@@ -188,14 +195,15 @@ fn fields_and_balances_agree_after_many_steps_that_change_in_time() {
                 // A step is a mean of old values: roundings add up and do not grow.
                 let roundings = (64.0 + survey.most_neighbors as f64) * STEPS as f64;
                 let allowed = roundings * epsilon(precision);
-                let mut there = gpu(&problem, precision);
-                there.euler(0.0, dt, STEPS).expect("steps");
-                let on_device = there.read().expect("read");
-                let apart = field.iter().zip(on_device.as_ref()).map(|(a, b)| (a - b).abs());
-                let apart = apart.fold(0.0, f64::max) / 330.0;
-                assert!(apart <= allowed, "{kind:?} {precision:?} {changing}: {apart:e}");
-                let off = (there.exchange().expect("exchange") - given).abs() / scale;
-                assert!(off <= allowed, "{kind:?} {precision:?}: exchange {off:e}");
+                for (path, mut there) in by_neighbors(&problem, dt, precision) {
+                    there.euler(0.0, dt, STEPS).expect("steps");
+                    let on_device = there.read().expect("read");
+                    let apart = field.iter().zip(on_device.as_ref()).map(|(a, b)| (a - b).abs());
+                    let apart = apart.fold(0.0, f64::max) / 330.0;
+                    assert!(apart <= allowed, "{kind:?} {path} {precision:?}: {apart:e}");
+                    let off = (there.exchange().expect("exchange") - given).abs() / scale;
+                    assert!(off <= allowed, "{kind:?} {path} {precision:?}: exchange {off:e}");
+                }
             }
         }
     }
@@ -261,7 +269,7 @@ fn surfaces_agree_and_close_the_balance() {
         problem.surfaces =
             vec![Surface::new("hole", hole.clone(), circle, None, condition(kind, true))];
         for precision in Precision::ALL {
-            assert_eq!(rates_apart(&problem, &problem, precision, 0.02), 0, "{kind:?}");
+            assert_eq!(rates_apart(&problem, &problem, precision, 0.02), [0, 0], "{kind:?}");
         }
         let mut here = CpuBackend::of(&problem);
         here.euler(0.0, STEP, STEPS).expect("steps");

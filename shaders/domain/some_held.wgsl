@@ -1,7 +1,7 @@
-// Some particles keep their value; the rows of these carry HELD_BIT in their length.
+// Some particles keep their value; the marks of their rows carry HELD_BIT.
 
 fn is_held(row: u32) -> bool {
-    return (row_length[row] & HELD_BIT) != 0u;
+    return (row_mark[row] & HELD_BIT) != 0u;
 }
 
 // What a held particle would have gained, it has taken from the others.

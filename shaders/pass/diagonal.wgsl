@@ -7,14 +7,7 @@ fn diagonal(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let row = chunk.first_row + flat_index(group, groups, lane);
-    if row >= chunk.end_row {
-        return;
+    if row < chunk.end_row {
+        after[row] = exactly(row_diagonal(row) + wall_diagonal(row));
     }
-    let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
-    let end = first + list_length(row) * SLICE_ROWS;
-    var sum = wall_diagonal(row);
-    for (var i = first; i < end; i += SLICE_ROWS) {
-        sum -= weight[i];
-    }
-    after[row] = exactly(sum);
 }

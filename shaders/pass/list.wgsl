@@ -4,10 +4,8 @@
 var<private> position: u32;
 
 fn visit(row: u32, other: u32, q_squared: real) {
-    let mean = pair_mean(conductivity_ratio(row), conductivity_ratio(other)) / capacity_ratio(row);
-    let shape = -kernel_shape_dw_over_r(sqrt(q_squared));
     neighbor[position] = other;
-    weight[position] = grid.weight_scale * volume_ratio(other) * mean * shape;
+    weight[position] = pair_weight(row, other, q_squared);
     position += SLICE_ROWS;
 }
 

@@ -16,7 +16,7 @@ fn wall_fold(
         return;
     }
     let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
-    let end = first + (row_length[row] & LENGTH_MASK) * SLICE_ROWS;
+    let end = first + (row_mark[row] & MARKED_MASK) * SLICE_ROWS;
     for (var entry = fold[index].y; entry < fold[index].z; entry++) {
         for (var i = first; i < end; i += SLICE_ROWS) {
             if neighbor[i] == fold_neighbor[entry] {

@@ -63,7 +63,8 @@ pub(super) struct WayArguments {
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
     /// How neighbours are known: `lattice` takes a stencil wherever it holds, and on the CPU stored
-    /// rows elsewhere; `list` stored rows alone; `auto` the faster
+    /// rows elsewhere; `list` stored rows alone; `matrix-free`, on a GPU, searches for neighbours in
+    /// every step and stores none; `auto` the fastest that there is memory for
     #[arg(long, value_enum, default_value = "auto")]
     path: PathFlag,
 }
@@ -90,6 +91,7 @@ pub(super) enum PathFlag {
     Auto,
     List,
     Lattice,
+    MatrixFree,
 }
 
 impl PrecisionFlag {
@@ -111,6 +113,7 @@ impl PathFlag {
             Self::Auto => PathWish::Auto,
             Self::List => PathWish::List,
             Self::Lattice => PathWish::Lattice,
+            Self::MatrixFree => PathWish::MatrixFree,
         }
     }
 }

@@ -34,6 +34,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let choice = PathChoice::new(problem, machine.kind(), arguments.way.path())?;
     let (prepared, _) =
         study::prepare(problem, machine.kind(), choice, arguments.allow_unstable, false)?;
+    let prepared = prepared.within_memory(problem, &machine);
     print(describe(&scene, &prepared, machine.adapter(), why_precision.as_deref()))
 }
 

@@ -127,6 +127,9 @@ pub enum SolverError {
         /// Why, in words.
         why: &'static str,
     },
+    /// The matrix-free path is asked for on the CPU.
+    #[error("--path matrix-free: only a GPU has it; leave `--path` out, or use `--backend gpu`")]
+    MatrixFreeOnCpu,
     /// An adapter is named, but the CPU path is asked for.
     #[error("--adapter {name}: `--backend cpu` uses no adapter; leave one of the two out")]
     AdapterOnCpu {
@@ -182,10 +185,10 @@ pub enum SolverError {
         "what walls or sources impose changes in time: there is no steady state; give another time.method"
     )]
     NeverSteady,
-    /// A steady state of materials whose properties depend on temperature.
+    /// A steady state of several materials of which one's properties depend on temperature.
     #[error(
-        "steady does not know materials whose conductivity depends on temperature or that melt: give another \
-         time.method"
+        "steady does not know several materials of which one's conductivity depends on temperature or which \
+         melts: give another time.method"
     )]
     SteadyOfCurves,
     /// Several materials of which one's properties depend on temperature, on a GPU.
@@ -257,6 +260,7 @@ impl SolverError {
             | Self::WallNotFinite { .. }
             | Self::SurfaceInside { .. }
             | Self::NoLattice { .. }
+            | Self::MatrixFreeOnCpu
             | Self::AdapterOnCpu { .. }
             | Self::PrecisionOnCpu { .. }
             | Self::NotCompensated { .. }

@@ -22,7 +22,7 @@ pub use error::SolverError;
 pub use integrator::Stepper;
 pub use limits::Limits;
 pub use machine::{BackendWish, Machine, MachineKind, MachineWish, Opened};
-pub use plan::{PathChoice, PathWish, Plan};
+pub use plan::{Path, PathChoice, PathWish, Plan};
 pub use precision::Precision;
 pub use stagnation::{Foreseen, Stagnation, slowest_rates};
 pub use step::{Step, StepLimits, choose_step, measure_limit};

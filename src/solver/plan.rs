@@ -38,6 +38,8 @@ pub enum Path {
     Lattice,
     /// By their place on a lattice where the sum is a stencil, from stored rows elsewhere.
     Mixed,
+    /// By a search among the sorted particles in every sum; on a GPU only.
+    MatrixFree,
 }
 
 /// Sizes of the mixed path.
@@ -52,13 +54,28 @@ pub struct MixedSizes {
 /// Which path a user wants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathWish {
-    /// The fastest: the lattice where the scene is one, mixed where that pays, else the list.
+    /// The fastest: the lattice where the scene is one, mixed where that pays, else the list, or
+    /// matrix-free where a GPU has no room for that.
     #[default]
     Auto,
     /// The list, whatever the scene.
     List,
     /// The stencil wherever it holds, be it lattice or, on the CPU, mixed, or nothing.
     Lattice,
+    /// A search for neighbours in every sum, on a GPU, whatever the scene.
+    MatrixFree,
+}
+
+impl PathWish {
+    /// The name in flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::List => Path::List.name(),
+            Self::Lattice => Path::Lattice.name(),
+            Self::MatrixFree => Path::MatrixFree.name(),
+        }
+    }
 }
 
 /// A path with what is known of the scene.
@@ -70,13 +87,16 @@ pub enum PathChoice {
     Lattice(Arc<LatticeScene>),
     /// A stencil and rows, and why not the lattice alone.
     Mixed(Arc<MixedScene>, &'static str),
+    /// A search in every sum, and why not the lattice, where that was looked for.
+    MatrixFree(Option<&'static str>),
 }
 
 impl PathChoice {
     /// The path of `problem` on this kind of machine: the fastest that `wish` allows.
     ///
     /// # Errors
-    /// [`SolverError::NoLattice`] where the lattice is wanted and cannot be had.
+    /// [`SolverError::NoLattice`] where the lattice is wanted and cannot be had,
+    /// [`SolverError::MatrixFreeOnCpu`].
     pub fn new(
         problem: &Problem,
         machine: MachineKind,
@@ -84,6 +104,8 @@ impl PathChoice {
     ) -> Result<Self, SolverError> {
         let found = match (wish, machine) {
             (PathWish::List, _) => return Ok(Self::List(None)),
+            (PathWish::MatrixFree, MachineKind::Gpu(_)) => return Ok(Self::MatrixFree(None)),
+            (PathWish::MatrixFree, MachineKind::Cpu) => return Err(SolverError::MatrixFreeOnCpu),
             (_, machine) => match (LatticeScene::of(problem), machine) {
                 (Ok(scene), _) => Ok(Self::Lattice(Arc::new(scene))),
                 (Err(why), MachineKind::Cpu) => Self::mixed(problem, wish, why),
@@ -103,6 +125,7 @@ impl PathChoice {
             Self::List(_) => Path::List,
             Self::Lattice(_) => Path::Lattice,
             Self::Mixed(..) => Path::Mixed,
+            Self::MatrixFree(_) => Path::MatrixFree,
         }
     }
 
@@ -142,6 +165,7 @@ impl Path {
             Self::List => "list",
             Self::Lattice => "lattice",
             Self::Mixed => "mixed",
+            Self::MatrixFree => "matrix-free",
         }
     }
 }
@@ -198,6 +222,7 @@ impl Plan {
         let needs = Needs::of(problem);
         let (path, why_no_lattice, reorders) = match choice {
             PathChoice::List(why) => (Path::List, *why, false),
+            PathChoice::MatrixFree(why) => (Path::MatrixFree, *why, false),
             PathChoice::Lattice(scene) => (Path::Lattice, None, scene.order.is_some()),
             PathChoice::Mixed(scene, why) => {
                 (Path::Mixed, Some(*why), scene.lattice.order.is_some())
@@ -238,13 +263,30 @@ impl Plan {
         fed * ((8 + steps) * precision.bytes() + 16)
     }
 
+    /// Bytes of volume and properties by particle, which a list is built from and a search needs throughout.
+    fn bytes_of_table(&self, problem: &Problem) -> u64 {
+        let per_particle =
+            if self.needs.coefficients { 4 * self.machine.precision().bytes() } else { 0 };
+        problem.particles.len() as u64 * per_particle
+    }
+
+    /// The same, matrix-free, where that takes the place of a list that nobody has asked for.
+    pub fn matrix_free(&self, problem: &Problem, entries: u64) -> Option<Self> {
+        let is_list_on_gpu = self.path == Path::List && self.machine != MachineKind::Cpu;
+        let choice = PathChoice::MatrixFree(Some(self.why_no_lattice.filter(|_| is_list_on_gpu)?));
+        Some(Self::new(problem, self.machine, &choice, entries))
+    }
+
     /// The passes of a run, in order.
     pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
         let mut passes = match (self.path, self.machine) {
             (Path::Lattice, _) => vec!["stencil"],
             (Path::Mixed, _) => vec!["stencil", "rows"],
             (Path::List, MachineKind::Cpu) => vec!["sort", "survey", "rows"],
-            (Path::List, MachineKind::Gpu(_)) => gpu::passes::SETUP.to_vec(),
+            (Path::List, MachineKind::Gpu(_)) => {
+                [&gpu::passes::SORTING[..], &gpu::passes::LISTING].concat()
+            }
+            (Path::MatrixFree, _) => gpu::passes::SORTING.to_vec(),
         };
         // Insulation is part of a stencil.
         let least =
@@ -253,7 +295,9 @@ impl Plan {
             if self.path == Path::Lattice {
                 passes.push("sort");
             }
-            passes.push(gpu::passes::WALL_SETUP);
+            if self.path != Path::MatrixFree {
+                passes.push(gpu::passes::WALL_SETUP);
+            }
         }
         if problem.time.end > 0.0 {
             passes.extend(self.step_passes());
@@ -268,7 +312,7 @@ impl Plan {
     fn step_passes(&self) -> Vec<&'static str> {
         if let MachineKind::Gpu(precision) = self.machine {
             let mut passes = match self.path {
-                Path::List | Path::Mixed => vec!["step"],
+                Path::List | Path::Mixed | Path::MatrixFree => vec!["step"],
                 Path::Lattice => gpu::lattice::step_passes(self.needs),
             };
             passes.extend(gpu::passes::looks(precision));
@@ -294,6 +338,11 @@ impl Plan {
         let of_operator = match self.path {
             // Two states and the saved one; order and start, or length, of each row.
             Path::List => entries * (4 + real) + particles * (3 * state + 8),
+            // Two states and the saved one; what is sorted, and a cell's start a particle.
+            Path::MatrixFree => {
+                particles * (3 * state + 8 + problem.dimension as u64 * real)
+                    + self.bytes_of_table(problem)
+            }
             Path::Lattice | Path::Mixed => {
                 let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
                 let by_site = 3 * state + if self.reorders { 4 } else { 0 };
@@ -333,14 +382,19 @@ impl Plan {
                 leave("sorting into cells", why, particles * 4);
             }
             Path::List => leave_of_list(problem, machine, needs, &mut leave),
+            Path::MatrixFree => {
+                let why = "neighbours are searched for in every sum";
+                leave("neighbour list and weights", why, of_list.saturating_sub(particles * 8));
+                leave_of_list(problem, machine, needs, &mut leave);
+            }
         }
         leave_walls(problem, needs.walls, &mut leave);
         if !needs.held {
             // The rows of the CPU path would keep the starts of a second set, the GPU an accumulator.
             let bytes = match (path, machine) {
                 (Path::Lattice | Path::Mixed, _) => 0,
-                (Path::List, MachineKind::Cpu) => particles * 8,
-                (Path::List, MachineKind::Gpu(_)) => particles * 2 * real,
+                (_, MachineKind::Cpu) => particles * 8,
+                (Path::List | Path::MatrixFree, MachineKind::Gpu(_)) => particles * 2 * real,
             };
             leave("exchange of held particles", "no particle is held", bytes);
         }
@@ -447,6 +501,26 @@ mod tests {
             ("exchange of held particles", 512),
         ];
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
+    }
+
+    #[test]
+    fn a_list_that_nobody_asked_for_gives_way_to_a_search() {
+        let problem = lattice(KernelKind::CubicSpline, 3, [4, 4, 4], 0.5, 2.0);
+        let gpu = MachineKind::Gpu(Precision::F32);
+        let plan = |machine, choice| Plan::new(&problem, machine, &choice, 1000);
+        let listed = plan(gpu, PathChoice::List(Some("moved")));
+        let searched = listed.matrix_free(&problem, 1000).expect("a plan");
+        assert_eq!((searched.path, searched.why_no_lattice), (Path::MatrixFree, Some("moved")));
+        assert_eq!(listed.memory_bytes(&problem, 1000), 8 * 1000 + 64 * 20);
+        assert_eq!(searched.memory_bytes(&problem, 1000), 64 * (12 + 8 + 12));
+        let passes = searched.passes(&problem);
+        assert!(passes.contains(&"gather") && !passes.contains(&"list"), "{passes:?}");
+        for kept in [
+            plan(gpu, PathChoice::List(None)),
+            plan(MachineKind::Cpu, PathChoice::List(Some("moved"))),
+        ] {
+            assert_eq!(kept.matrix_free(&problem, 1000), None);
+        }
     }
 
     #[test]

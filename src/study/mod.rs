@@ -2,6 +2,7 @@
 //! stability, and the benchmark.
 
 mod bench;
+mod memory;
 mod pictures;
 mod recorder;
 mod run;

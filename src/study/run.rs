@@ -6,10 +6,12 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
+use super::memory::{SHARE, free_memory};
 use super::pictures;
 use super::recorder::Recorder;
 use super::stagnated::stagnated;
 use crate::case::Scene;
+use crate::gpu::Device;
 use crate::model::Problem;
 use crate::model::integrator::Method;
 use crate::model::lattice::{LatticeScene, MixedScene};
@@ -24,8 +26,8 @@ use crate::report::{Norms, OutputError, OutputFolder, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::{GpuBackend, GpuOptions};
 use crate::solver::{
-    Backend, Machine, MachineKind, PathChoice, PathWish, Plan, Progress, SolverError, Step,
-    Stepper, Taken, advance, choose_step, measure_limit,
+    Backend, Machine, MachineKind, Path, PathChoice, PathWish, Plan, Precision, Progress,
+    SolverError, Step, Stepper, Taken, advance, choose_step, measure_limit,
 };
 
 /// What the user asked of a run beyond the case.
@@ -149,7 +151,7 @@ pub fn start<D: Driver>(
             driver.drive(prepared, backend)
         }
         (Machine::Gpu { device, precision }, _) => {
-            let backend = GpuBackend::new(problem, prepared.step.dt, device, *precision)?;
+            let (prepared, backend) = by_neighbors(problem, prepared, machine, device, *precision)?;
             driver.drive(prepared, backend)
         }
         (Machine::Cpu, Some(Operator::Rows { order, rows })) => {
@@ -165,6 +167,33 @@ pub fn start<D: Driver>(
     })
 }
 
+/// Puts `problem` on a device by list, or matrix-free where that is planned or where a list, which nobody
+/// has asked for, finds no room.
+fn by_neighbors(
+    problem: &Problem,
+    prepared: Prepared,
+    machine: &Machine,
+    device: &Device,
+    precision: Precision,
+) -> Result<(Prepared, GpuBackend), SolverError> {
+    let mut prepared = prepared.within_memory(problem, machine);
+    let dt = prepared.step.dt;
+    let build = |plan: &Plan| {
+        let matrix_free = plan.path == Path::MatrixFree;
+        let options = GpuOptions { matrix_free, ..GpuOptions::new(precision) };
+        GpuBackend::with_options(problem, dt, device, options)
+    };
+    let backend = match (build(&prepared.plan), prepared.matrix_free(problem)) {
+        (Err(error), Some(plan)) if error.is_lack_of_room() => {
+            let backend = build(&plan)?;
+            prepared.plan = plan;
+            backend
+        }
+        (built, _) => built?,
+    };
+    Ok((prepared, backend))
+}
+
 /// What is known of a run before its first step.
 #[derive(Debug)]
 pub struct Prepared {
@@ -174,6 +203,27 @@ pub struct Prepared {
     pub step: Step,
     /// What will run.
     pub plan: Plan,
+}
+
+impl Prepared {
+    /// The same with a plan for the memory that is free, where `machine` shares that: matrix-free where a
+    /// list would take too much. Other devices say by themselves when they have no more.
+    #[must_use]
+    pub fn within_memory(mut self, problem: &Problem, machine: &Machine) -> Self {
+        let Some(plan) = self.matrix_free(problem).filter(|_| machine.shares_memory()) else {
+            return self;
+        };
+        let needed = self.plan.memory_bytes(problem, self.survey.entries);
+        if needed as f64 > SHARE * free_memory() as f64 {
+            self.plan = plan;
+        }
+        self
+    }
+
+    /// The plan without a list, where it may take the place of one.
+    fn matrix_free(&self, problem: &Problem) -> Option<Plan> {
+        self.plan.matrix_free(problem, self.survey.entries)
+    }
 }
 
 /// The operator of a scene on the CPU.
@@ -216,7 +266,7 @@ pub fn prepare(
     keep: bool,
 ) -> Result<(Prepared, Option<Operator>), SolverError> {
     let (survey, operator) = match &choice {
-        PathChoice::List(_) => {
+        PathChoice::List(_) | PathChoice::MatrixFree(_) => {
             return prepare_list(problem, machine, &choice, allow_unstable, keep);
         }
         PathChoice::Lattice(scene) => {

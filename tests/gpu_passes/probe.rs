@@ -2,7 +2,7 @@ use diffusph::gpu::Real;
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::Choices;
-use diffusph::solver::gpu::passes::WallTerms;
+use diffusph::solver::gpu::passes::{Neighbors, WallTerms};
 
 use crate::support::{Random, device};
 
@@ -26,6 +26,7 @@ fn choices(kernel: KernelKind, pair_mean: PairMean, precision: Precision) -> Cho
         held: false,
         walls: WallTerms::None,
         uniform: true,
+        neighbors: Neighbors::Listed,
         precision,
         workgroup_size: 64,
     }

@@ -2,19 +2,20 @@ use diffusph::model::{KernelKind, PairMean, Problem};
 use diffusph::solver::gpu::GpuBackend;
 use diffusph::solver::{Backend, Precision};
 
-use crate::support::{brute_force, device, epsilon, random_lattice};
+use crate::support::{brute_force, by_neighbors, device, epsilon, random_lattice};
 
-/// How many rates are off by more than roundings explain.
-fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> usize {
-    let mut backend = GpuBackend::new(on_device, 1e-3, device(), precision).expect("backend");
-    let rate = backend.rate(0.0).expect("rate");
+/// How many rates are off by more than roundings explain, by list and matrix-free.
+fn wrong_rates(on_device: &Problem, expected: &Problem, precision: Precision) -> [usize; 2] {
     let expected = brute_force(expected, epsilon(precision));
-    assert_eq!(rate.as_ref().len(), expected.len());
-    let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| {
-        let off = (got - sum).abs();
-        off > tolerance || off.is_nan()
-    };
-    rate.as_ref().iter().zip(&expected).filter(wrong).count()
+    by_neighbors(on_device, 1e-3, precision).map(|(_, mut backend)| {
+        let rate = backend.rate(0.0).expect("rate");
+        assert_eq!(rate.as_ref().len(), expected.len());
+        let wrong = |&(&got, &(sum, tolerance)): &(&f64, &(f64, f64))| {
+            let off = (got - sum).abs();
+            off > tolerance || off.is_nan()
+        };
+        rate.as_ref().iter().zip(&expected).filter(wrong).count()
+    })
 }
 
 #[test]
@@ -27,7 +28,11 @@ fn rates_equal_brute_force_in_every_kernel_and_dimension() {
                     let mut problem = random_lattice(kernel, dimension, side);
                     problem.pair_mean = pair_mean;
                     let wrong = wrong_rates(&problem, &problem, precision);
-                    assert_eq!(wrong, 0, "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}");
+                    assert_eq!(
+                        wrong,
+                        [0, 0],
+                        "{kernel:?} {dimension}-D {pair_mean:?} {precision:?}"
+                    );
                 }
             }
         }
@@ -42,7 +47,7 @@ fn uniform_scenes_take_the_shorter_path_to_the_same_rates() {
         problem.particles.volume.fill(1e-18);
         let backend = GpuBackend::new(&problem, 1e-3, device(), precision).expect("backend");
         assert!(backend.choices().expect("a list").uniform);
-        assert_eq!(wrong_rates(&problem, &problem, precision), 0);
+        assert_eq!(wrong_rates(&problem, &problem, precision), [0, 0]);
     }
 }
 
@@ -56,6 +61,7 @@ fn the_check_notices_one_volume_one_neighbor_and_one_value() {
     let mut value = problem.clone();
     value.initial[40] += 0.1;
     for wrong in [volume, neighbor, value] {
-        assert!(wrong_rates(&problem, &wrong, Precision::F32) > 0);
+        let found = wrong_rates(&problem, &wrong, Precision::F32);
+        assert!(found.iter().all(|&wrong| wrong > 0), "{found:?}");
     }
 }

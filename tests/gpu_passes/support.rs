@@ -10,6 +10,7 @@ use diffusph::model::{
     TimePlan,
 };
 use diffusph::solver::Precision;
+use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use glam::DVec3;
 
 /// The device that all tests of this process share.
@@ -20,6 +21,19 @@ pub(crate) fn device() -> &'static Device {
             .expect("these tests need an adapter")
             .expect("a software adapter is allowed");
         Device::open(&adapter).expect("the adapter opens")
+    })
+}
+
+/// `problem` on the device by list and matrix-free; `dt` (s) is the step that weights are relative to.
+pub(crate) fn by_neighbors(
+    problem: &Problem,
+    dt: f64,
+    precision: Precision,
+) -> [(&'static str, GpuBackend); 2] {
+    [("list", false), ("matrix-free", true)].map(|(name, matrix_free)| {
+        let options = GpuOptions { matrix_free, ..GpuOptions::new(precision) };
+        let backend = GpuBackend::with_options(problem, dt, device(), options);
+        (name, backend.unwrap_or_else(|error| panic!("{name}: {error}")))
     })
 }
 

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::passes::{CHUNK, Choices, HELD_BIT, LENGTH_MASK, SLICE_ROWS, WALL_BIT};
+use super::passes::{CHUNK, Choices, HELD_BIT, MARKED_MASK, SLICE_ROWS, WALL_BIT};
 use super::sorted::Sorted;
 use super::walls::{Fold, Walls};
 use crate::gpu::{Buffer, Device, GpuError};
@@ -13,11 +13,11 @@ use crate::gpu::{Buffer, Device, GpuError};
 /// The neighbour list of a scene, on the device.
 #[derive(Debug)]
 pub(super) struct List {
-    /// Neighbours of each row, with [`HELD_BIT`] in held ones and [`WALL_BIT`] in those with a slot
-    /// of a wall, which their list names after the last neighbour.
-    pub(super) row_length: Buffer,
+    /// How many neighbours each row has, with [`HELD_BIT`] in held ones and [`WALL_BIT`] in those with a
+    /// slot of a wall, which their list names after the last neighbour.
+    row_mark: Buffer,
     /// First element of each slice, in its chunk.
-    pub(super) slice_start: Buffer,
+    slice_start: Buffer,
     pub(super) chunks: Vec<Chunk>,
 }
 
@@ -25,14 +25,19 @@ pub(super) struct List {
 #[derive(Debug)]
 pub(super) struct Chunk {
     rows: Range<u32>,
-    pub(super) block: Buffer,
-    pub(super) neighbor: Buffer,
-    pub(super) weight: Buffer,
+    block: Buffer,
+    neighbor: Buffer,
+    weight: Buffer,
 }
 
 impl Chunk {
     pub(super) fn row_count(&self) -> u64 {
         u64::from(self.rows.end - self.rows.start)
+    }
+
+    /// The buffers of the sums over its neighbours.
+    pub(super) fn of_sums<'a>(&'a self, list: &'a List) -> Vec<&'a Buffer> {
+        vec![&self.block, &list.row_mark, &list.slice_start, &self.neighbor, &self.weight]
     }
 }
 
@@ -86,10 +91,10 @@ impl List {
         chunk_bytes: u64,
     ) -> Result<Self, GpuError> {
         let count = sorted.order().len() as u64;
-        let (row_length, mut lengths) = count_neighbors(device, choices, sorted, count)?;
+        let (row_mark, mut marks) = count_neighbors(device, choices, sorted, count)?;
         let element_bytes = choices.real().size().max(4) as u64;
         let most = (chunk_bytes / element_bytes).min(u64::from(u32::MAX));
-        let mut entries = lengths.clone();
+        let mut entries = marks.clone();
         walls.slot_rows().iter().for_each(|&row| entries[row as usize] += 1);
         let plan = Plan::new(&entries, most).map_err(|needed| GpuError::TooLarge {
             what: "a slice of the neighbour list".to_owned(),
@@ -97,13 +102,13 @@ impl List {
             available: chunk_bytes,
         })?;
         if !(held_rows.is_empty() && walls.slot_rows().is_empty()) {
-            held_rows.iter().for_each(|&row| lengths[row as usize] |= HELD_BIT);
-            walls.slot_rows().iter().for_each(|&row| lengths[row as usize] |= WALL_BIT);
-            device.write(&row_length, bytemuck::cast_slice(&lengths))?;
+            held_rows.iter().for_each(|&row| marks[row as usize] |= HELD_BIT);
+            walls.slot_rows().iter().for_each(|&row| marks[row as usize] |= WALL_BIT);
+            device.write(&row_mark, bytemuck::cast_slice(&marks))?;
         }
         let starts = bytemuck::cast_slice(&plan.slice_start);
         let mut list = Self {
-            row_length,
+            row_mark,
             slice_start: device.storage_with("slice starts", starts)?,
             chunks: Vec::with_capacity(plan.chunks.len()),
         };
@@ -125,8 +130,7 @@ impl List {
         chunk: &Chunk,
         fold: &Fold,
     ) -> Result<(), GpuError> {
-        let mut buffers =
-            vec![&chunk.block, &self.row_length, &self.slice_start, &chunk.neighbor, &chunk.weight];
+        let mut buffers = chunk.of_sums(self);
         buffers.extend(&fold.buffers);
         let pass = device.pass(&choices.wall_fold(), &buffers, fold.rows)?;
         device.submit([&pass])?;
@@ -171,7 +175,7 @@ impl List {
     pub(super) fn bytes(&self) -> u64 {
         let chunks = self.chunks.iter();
         let of_chunk = |c: &Chunk| c.block.bytes() + c.neighbor.bytes() + c.weight.bytes();
-        self.row_length.bytes() + self.slice_start.bytes() + chunks.map(of_chunk).sum::<u64>()
+        self.row_mark.bytes() + self.slice_start.bytes() + chunks.map(of_chunk).sum::<u64>()
     }
 
     /// Rows of (neighbouring row, weight), in stored order.
@@ -181,15 +185,15 @@ impl List {
         choices: &Choices,
     ) -> Result<Vec<Vec<(u32, f64)>>, GpuError> {
         let counts = |buffer| device.read(buffer);
-        let lengths: Vec<u32> = bytemuck::pod_collect_to_vec(&counts(&self.row_length)?);
+        let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&counts(&self.row_mark)?);
         let starts: Vec<u32> = bytemuck::pod_collect_to_vec(&counts(&self.slice_start)?);
-        let mut rows = Vec::with_capacity(lengths.len());
+        let mut rows = Vec::with_capacity(marks.len());
         for chunk in &self.chunks {
             let neighbor: Vec<u32> = bytemuck::pod_collect_to_vec(&counts(&chunk.neighbor)?);
             let weight = choices.real().from_bytes(&device.read(&chunk.weight)?);
             for row in chunk.rows.clone() {
                 let first = starts[(row / SLICE_ROWS) as usize] + row % SLICE_ROWS;
-                let places = (0..lengths[row as usize] & LENGTH_MASK)
+                let places = (0..marks[row as usize] & MARKED_MASK)
                     .map(|k| (first + k * SLICE_ROWS) as usize);
                 rows.push(places.map(|i| (neighbor[i], weight[i])).collect());
             }

@@ -1,5 +1,6 @@
 //! The GPU backend. By list: the neighbours are found on the device once and stored with their
-//! weights, and a step is one pass over them. By lattice: a step is one pass with a stencil.
+//! weights, and a step is one pass over them. Matrix-free: a step finds them. By lattice: a step is one pass
+//! with a stencil.
 //!
 //! State lives on the device in the order of its cells or sites; the problem's order is restored on
 //! reading back.
@@ -11,6 +12,7 @@ mod list;
 mod operator;
 pub mod passes;
 mod scaling;
+mod search;
 mod self_test;
 mod sorted;
 mod steps;
@@ -32,8 +34,9 @@ use lattice::Lattice;
 use list::List;
 use operator::Operator;
 pub use passes::Choices;
-use passes::WallTerms;
+use passes::{Neighbors, WallTerms};
 use scaling::{Scaling, reference_step};
+use search::Search;
 pub use self_test::SelfTest;
 pub use sorted::Sorted;
 use steps::Steps;
@@ -51,12 +54,19 @@ pub struct GpuOptions {
     /// Bytes that a buffer of the neighbour list or of a lattice's state may take, if fewer than the
     /// device allows.
     pub chunk_bytes: Option<u64>,
+    /// Whether neighbours are searched for in every sum, where they would be listed.
+    pub matrix_free: bool,
 }
 
 impl GpuOptions {
     /// The usual way, in this precision.
     pub fn new(precision: Precision) -> Self {
-        Self { precision, workgroup_size: passes::WORKGROUP_SIZE, chunk_bytes: None }
+        Self {
+            precision,
+            workgroup_size: passes::WORKGROUP_SIZE,
+            chunk_bytes: None,
+            matrix_free: false,
+        }
     }
 
     /// Bytes that a buffer may take.
@@ -145,11 +155,13 @@ impl GpuBackend {
         let order = sorted.order().to_vec();
         let walls = Walls::new(problem, &order, scaling.step);
         choices.walls = walls.terms();
+        if options.matrix_free {
+            choices.neighbors = Neighbors::Searched { folded: walls.is_folded() };
+        }
         let held = held_rows(problem, &order);
         let rows: Vec<u32> = held.iter().map(|&(row, _)| row).collect();
         let table = coefficient_table(device, &choices, &order, scaling.ratios.as_deref())?;
         let bytes = options.most_bytes(device);
-        let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
         let capacities = order.iter().map(|&p| problem.capacity(p as usize));
         let scene = VectorScene {
             exceptions: lattice::exceptions(&rows, walls.slot_rows()),
@@ -162,8 +174,14 @@ impl GpuBackend {
             ),
             false => None,
         };
+        let operator = if options.matrix_free {
+            let search = Box::new(Search::new(device, &choices, sorted, &rows, &walls, table)?);
+            Operator::Search { search, choices }
+        } else {
+            let list = List::new(device, &choices, &sorted, &rows, &walls, table.as_ref(), bytes)?;
+            Operator::List { list, choices }
+        };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
-        let operator = Operator::List { list, choices };
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
             device: device.clone(),
@@ -235,7 +253,7 @@ impl GpuBackend {
     /// What of the shaders of the list this scene uses; `None` for a lattice.
     pub fn choices(&self) -> Option<&Choices> {
         match &self.operator {
-            Operator::List { choices, .. } => Some(choices),
+            Operator::List { choices, .. } | Operator::Search { choices, .. } => Some(choices),
             Operator::Lattice(_) => None,
         }
     }
@@ -244,12 +262,13 @@ impl GpuBackend {
     pub fn chunk_count(&self) -> usize {
         match &self.operator {
             Operator::List { list, .. } => list.chunks.len(),
+            Operator::Search { .. } => 1,
             Operator::Lattice(lattice) => lattice.parts().len(),
         }
     }
 
     /// The neighbours of each particle in stored order, with the weight a reference step, which is
-    /// the step given to [`GpuBackend::new`]: a diagnostic. A lattice stores none.
+    /// the step given to [`GpuBackend::new`]: a diagnostic. Only a list stores any.
     pub fn neighbors(&self) -> Result<Vec<Vec<(u32, f64)>>, SolverError> {
         let (Operator::List { list, choices }, Some(order)) = (&self.operator, &self.order) else {
             return Ok(Vec::new());
@@ -295,6 +314,7 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
         held: needs.held,
         walls: WallTerms::None,
         uniform: !needs.coefficients,
+        neighbors: Neighbors::Listed,
         precision: options.precision,
         workgroup_size: options.workgroup_size,
     }

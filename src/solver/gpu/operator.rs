@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::lattice::Lattice;
 use super::list::{Chunk, List};
 use super::passes::{Choices, EXCEPTION_BYTES};
+use super::search::Search;
 use crate::gpu::{Buffer, Device, GpuError, Pass};
 use crate::solver::Precision;
 
@@ -13,6 +14,8 @@ use crate::solver::Precision;
 pub(super) enum Operator {
     /// A stored list of neighbours.
     List { list: List, choices: Choices },
+    /// Neighbours that are searched for in every sum.
+    Search { search: Box<Search>, choices: Choices },
     /// The stencil of a lattice.
     Lattice(Lattice),
 }
@@ -71,7 +74,7 @@ impl Operator {
     /// The precision.
     pub(super) fn precision(&self) -> Precision {
         match self {
-            Self::List { choices, .. } => choices.precision,
+            Self::List { choices, .. } | Self::Search { choices, .. } => choices.precision,
             Self::Lattice(lattice) => lattice.precision(),
         }
     }
@@ -79,7 +82,7 @@ impl Operator {
     /// Invocations a workgroup.
     pub(super) fn workgroup_size(&self) -> u32 {
         match self {
-            Self::List { choices, .. } => choices.workgroup_size,
+            Self::List { choices, .. } | Self::Search { choices, .. } => choices.workgroup_size,
             Self::Lattice(lattice) => lattice.workgroup_size(),
         }
     }
@@ -87,7 +90,7 @@ impl Operator {
     /// The values of each buffer that a state is split into, of `count` in all.
     pub(super) fn parts(&self, count: usize) -> Vec<Range<usize>> {
         match self {
-            Self::List { .. } => std::iter::once(0..count).collect(),
+            Self::List { .. } | Self::Search { .. } => std::iter::once(0..count).collect(),
             Self::Lattice(lattice) => lattice.parts(),
         }
     }
@@ -101,10 +104,17 @@ impl Operator {
     ) -> Result<Vec<Pass>, GpuError> {
         match self {
             Self::List { list, choices } => {
-                let passes = |chunk| list_passes(device, choices, list, chunk, makes, fields);
+                let passes = |chunk: &Chunk| {
+                    let (rows, buffers) = (chunk.row_count(), chunk.of_sums(list));
+                    row_passes(device, choices, buffers, rows, makes, fields)
+                };
                 let all: Vec<Vec<Pass>> =
                     list.chunks.iter().map(passes).collect::<Result<_, _>>()?;
                 Ok(all.into_iter().flatten().collect())
+            }
+            Self::Search { search, choices } => {
+                let (rows, buffers) = (search.row_count(), search.of_sums());
+                row_passes(device, choices, buffers, rows, makes, fields)
             }
             Self::Lattice(lattice) => lattice.passes(device, makes, fields),
         }
@@ -114,29 +124,22 @@ impl Operator {
     pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::List { list, .. } => list.bytes(),
+            Self::Search { search, .. } => search.bytes(),
             Self::Lattice(lattice) => lattice.bytes(),
         }
     }
 }
 
-fn list_passes(
+/// The passes over `rows` rows, whose sums over neighbours have `buffers`.
+fn row_passes<'a>(
     device: &Device,
     choices: &Choices,
-    list: &List,
-    chunk: &Chunk,
+    mut buffers: Vec<&'a Buffer>,
+    rows: u64,
     makes: Makes,
-    fields: &Fields<'_>,
+    fields: &'a Fields<'_>,
 ) -> Result<Vec<Pass>, GpuError> {
-    let mut buffers = vec![
-        &chunk.block,
-        &list.row_length,
-        &list.slice_start,
-        &chunk.neighbor,
-        &chunk.weight,
-        &fields.from[0],
-        &fields.to[0],
-        fields.step_size,
-    ];
+    buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
     buffers.extend(fields.exchange);
     buffers.extend(fields.sources());
     let source = match makes {
@@ -146,10 +149,10 @@ fn list_passes(
         Makes::Diagonal => choices.diagonal(),
     };
     let Some(Combination { factors, given_before, given, exception }) = fields.combination else {
-        return Ok(vec![device.pass(&source, &buffers, chunk.row_count())?]);
+        return Ok(vec![device.pass(&source, &buffers, rows)?]);
     };
     buffers.push(factors);
-    let mut passes = vec![device.pass(&source, &buffers, chunk.row_count())?];
+    let mut passes = vec![device.pass(&source, &buffers, rows)?];
     if exception.bytes() > 0 {
         buffers.extend([given_before, given, exception]);
         let exceptions = exception.bytes() / EXCEPTION_BYTES;

@@ -9,14 +9,15 @@ use crate::solver::Precision;
 /// Rows of a slice of the neighbour list: the invocations that most GPUs run in step.
 pub const SLICE_ROWS: u32 = 32;
 
-/// The bit of a row's length that marks a held particle.
+/// The bit of a row's mark that says that its particle is held.
 pub const HELD_BIT: u32 = 1 << 31;
 
-/// The bit of a row's length that says that walls add more to the row than weights.
+/// The bit of a row's mark that says that walls add more to the row than weights.
 pub const WALL_BIT: u32 = 1 << 30;
 
-/// The bits of a row's length that count its neighbours.
-pub const LENGTH_MASK: u32 = WALL_BIT - 1;
+/// The bits of a row's mark that count its neighbours or, where these are searched for, name what walls
+/// add to it.
+pub const MARKED_MASK: u32 = WALL_BIT - 1;
 
 /// The slot of a row that has none.
 pub const NO_SLOT: u32 = u32::MAX;
@@ -30,18 +31,12 @@ pub const SOURCE_STEPS: u32 = 64;
 /// Invocations a workgroup: within the least that WebGPU guarantees. See [`super::GpuOptions`].
 pub const WORKGROUP_SIZE: u32 = 64;
 
-/// The passes that build the neighbour list, in order.
-pub const SETUP: [&str; 9] = [
-    "bin",
-    "cell_count",
-    "scan_block",
-    "scan_add",
-    "scatter",
-    "rank",
-    "gather",
-    "neighbor_count",
-    "list",
-];
+/// The passes that sort particles into cells, in order.
+pub const SORTING: [&str; 7] =
+    ["bin", "cell_count", "scan_block", "scan_add", "scatter", "rank", "gather"];
+
+/// The passes that build the neighbour list of sorted particles, in order.
+pub const LISTING: [&str; 2] = ["neighbor_count", "list"];
 
 /// The pass that adds the walls to the list.
 pub const WALL_SETUP: &str = "wall_fold";
@@ -53,6 +48,9 @@ pub fn looks(precision: Precision) -> &'static [&'static str] {
         Precision::F64 => &["finite"],
     }
 }
+
+/// The sum over neighbours that are searched for.
+const SEARCHED: &str = "rows/searched";
 
 /// The grid of cells and what the weights are scaled by.
 pub static GRID: BlockLayout = BlockLayout {
@@ -115,6 +113,18 @@ impl WallTerms {
     }
 }
 
+/// Where the sums over neighbours find them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Neighbors {
+    /// In the list, with their weights.
+    Listed,
+    /// In the cells around, in every sum anew.
+    Searched {
+        /// Whether walls add to the weights of some pairs, or anything else to some rows.
+        folded: bool,
+    },
+}
+
 /// What a scene needs of the shaders: nothing else is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choices {
@@ -132,6 +142,8 @@ pub struct Choices {
     pub walls: WallTerms,
     /// Whether all particles share one volume, conductivity and capacity.
     pub uniform: bool,
+    /// Where the sums over neighbours find them.
+    pub neighbors: Neighbors,
     /// The precision.
     pub precision: Precision,
     /// Invocations a workgroup.
@@ -357,7 +369,7 @@ impl Choices {
 
     /// Writes the neighbours of each row of a chunk with their weights.
     pub fn list(&self) -> PassSource {
-        let mut bindings = vec![
+        let bindings = vec![
             block("chunk", &CHUNK),
             read("offset", Element::Real),
             read("cell", Element::U32),
@@ -366,22 +378,16 @@ impl Choices {
             write("neighbor", Element::U32),
             write("weight", Element::Real),
         ];
-        let material = if self.uniform {
-            "material/uniform"
-        } else {
-            bindings.push(read("coefficient", Element::Real4));
-            "material/table"
-        };
-        let [kernel, mean] = self.pair_functions();
-        let shared = ["grid", self.domain(), "search"];
-        self.on_grid("list", &[&shared[..], &[material, &kernel, &mean]].concat(), bindings)
+        let mut source = self.on_grid("list", &["grid", self.domain(), "search"], bindings);
+        self.add_pair_weight(&mut source);
+        source
     }
 
     /// Adds the walls to the rows of a chunk.
     pub fn wall_fold(&self) -> PassSource {
         let bindings = vec![
             block("chunk", &CHUNK),
-            read("row_length", Element::U32),
+            read("row_mark", Element::U32),
             read("slice_start", Element::U32),
             write("neighbor", Element::U32),
             write("weight", Element::Real),
@@ -394,17 +400,17 @@ impl Choices {
 
     /// One explicit Euler step of the rows of a chunk.
     pub fn step(&self) -> PassSource {
-        self.on_list("step")
+        self.on_rows("step")
     }
 
     /// The rate of change of the rows of a chunk.
     pub fn rate(&self) -> PassSource {
-        self.on_list("rate")
+        self.on_rows("rate")
     }
 
     /// Shares of a field and of its rate, for the rows of a chunk.
     pub fn combine(&self) -> PassSource {
-        let mut source = self.on_list("combine");
+        let mut source = self.on_rows("combine");
         source.bindings.push(block("factors", &COMBINATION));
         source.slots.push("vector/combined".to_owned());
         source
@@ -421,7 +427,11 @@ impl Choices {
 
     /// The factor of each row's own value in its rate.
     pub fn diagonal(&self) -> PassSource {
-        self.on_list("diagonal")
+        let mut source = self.on_rows("diagonal");
+        for slot in source.slots.iter_mut().filter(|slot| *slot == SEARCHED) {
+            *slot = "rows/searched_diagonal".to_owned();
+        }
+        source
     }
 
     /// Evaluates the pair functions at given arguments: a diagnostic.
@@ -469,28 +479,76 @@ impl Choices {
         source
     }
 
-    /// The passes that go through the list share their buffers.
-    fn on_list(&self, pass: &'static str) -> PassSource {
-        let mut bindings = vec![
-            block("chunk", &CHUNK),
-            read("row_length", Element::U32),
-            read("slice_start", Element::U32),
-            read("neighbor", Element::U32),
-            read("weight", Element::Real),
+    /// The passes that sum over neighbours share their buffers.
+    fn on_rows(&self, pass: &'static str) -> PassSource {
+        let mut source = self.source(pass, &[], vec![block("chunk", &CHUNK)]);
+        match self.neighbors {
+            Neighbors::Listed => self.add_list(&mut source),
+            Neighbors::Searched { folded } => self.add_search(&mut source, folded),
+        }
+        source.bindings.extend([
             read("before", value(self.precision)),
             write("after", value(self.precision)),
             block("step_size", &STEP_SIZE),
-        ];
+        ]);
         let held = if self.held {
-            bindings.push(write("exchange", Element::Real2));
+            source.bindings.push(write("exchange", Element::Real2));
             "domain/some_held"
         } else {
             "domain/all_free"
         };
-        bindings.extend(self.walls.bindings());
+        source.bindings.extend(self.walls.bindings());
         let arithmetic = arithmetic(self.precision);
-        let slots = [&arithmetic[..], &[held, "row_sum"], self.walls.slots()].concat();
-        self.source(pass, &slots, bindings)
+        let slots = arithmetic.iter().chain([&held]).chain(self.walls.slots());
+        source.slots.extend(slots.map(|&slot| slot.to_owned()));
+        source
+    }
+
+    fn add_list(&self, source: &mut PassSource) {
+        source.bindings.extend([
+            read("row_mark", Element::U32),
+            read("slice_start", Element::U32),
+            read("neighbor", Element::U32),
+            read("weight", Element::Real),
+        ]);
+        source.slots.push("rows/listed".to_owned());
+    }
+
+    fn add_search(&self, source: &mut PassSource, folded: bool) {
+        source.bindings.extend([
+            block("grid", &GRID),
+            read("offset", Element::Real),
+            read("cell", Element::U32),
+            read("cell_start", Element::U32),
+        ]);
+        self.add_pair_weight(source);
+        if self.held || folded {
+            source.bindings.push(read("row_mark", Element::U32));
+        }
+        let walls = if folded {
+            source.bindings.extend([
+                read("fold", Element::U32x4),
+                read("fold_neighbor", Element::U32),
+                read("fold_weight", Element::Real),
+            ]);
+            "rows/folded"
+        } else {
+            "rows/not_folded"
+        };
+        let slots = ["grid", self.domain(), "search", SEARCHED, walls];
+        source.slots.extend(slots.map(str::to_owned));
+    }
+
+    /// Adds what weights of pairs are computed from.
+    fn add_pair_weight(&self, source: &mut PassSource) {
+        let material = if self.uniform {
+            "material/uniform"
+        } else {
+            source.bindings.push(read("coefficient", Element::Real4));
+            "material/table"
+        };
+        source.slots.extend([material, "pair_weight"].map(str::to_owned));
+        source.slots.extend(self.pair_functions());
     }
 
     fn source(&self, pass: &'static str, slots: &[&str], bindings: Vec<Binding>) -> PassSource {
@@ -507,7 +565,7 @@ impl Choices {
                 ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
                 ("HELD_BIT", Constant::Count(HELD_BIT)),
                 ("WALL_BIT", Constant::Count(WALL_BIT)),
-                ("LENGTH_MASK", Constant::Count(LENGTH_MASK)),
+                ("MARKED_MASK", Constant::Count(MARKED_MASK)),
                 ("NO_SLOT", Constant::Count(NO_SLOT)),
                 ("SOURCE_STEPS", Constant::Count(SOURCE_STEPS)),
                 ("CUTOFF_SQUARED", Constant::Real(SUPPORT_MARGIN * SUPPORT_MARGIN)),

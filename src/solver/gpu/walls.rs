@@ -77,6 +77,16 @@ impl Walls {
         &self.slot_row
     }
 
+    /// Whether they add anything to any row.
+    pub(super) fn is_folded(&self) -> bool {
+        !self.fold.is_empty()
+    }
+
+    /// Row, first and end entry, and slot, of each row that they add to.
+    pub(super) fn folded(&self) -> &[[u32; 4]] {
+        &self.fold
+    }
+
     /// The buffers `fold`, `fold_neighbor` and `fold_weight` with the number of rows; `None` where
     /// walls add nothing.
     pub(super) fn fold(&self, device: &Device, real: Real) -> Result<Option<Fold>, GpuError> {
@@ -93,7 +103,7 @@ impl Walls {
     }
 }
 
-/// What the pass `wall_fold` reads.
+/// What walls add, for those who fold it into weights or sums.
 #[derive(Debug)]
 pub(super) struct Fold {
     pub(super) buffers: [Buffer; 3],

@@ -1,7 +1,24 @@
 //! What a step has to move and to compute for a particle, whatever the machine.
 
+use crate::model::Problem;
 use crate::model::lattice::LineClass;
 use crate::solver::{MachineKind, PathChoice};
+
+/// How the sum over neighbours is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sum {
+    /// From a list.
+    Listed,
+    /// By a search in the cells around.
+    Searched {
+        /// 1, 2 or 3.
+        dimension: usize,
+        /// Particles in those cells.
+        candidates: f64,
+    },
+    /// By a stencil of so many operations.
+    Stencil(f64),
+}
 
 /// What a step costs a particle, on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,14 +36,28 @@ const EULER: f64 = 2.0;
 const INDEX: f64 = 4.0;
 
 impl Cost {
-    /// That of a particle with `neighbors` neighbours: by list, or by a stencil of so many
-    /// `operations`.
-    pub(super) fn new(machine: MachineKind, neighbors: f64, stencil: Option<f64>) -> Self {
+    /// That of a particle with `neighbors` neighbours.
+    pub(super) fn new(machine: MachineKind, neighbors: f64, sum: Sum) -> Self {
         let precision = machine.precision();
         let state = precision.state_bytes() as f64;
-        match stencil {
-            None => Self::of_list(precision.bytes() as f64, state, neighbors),
-            Some(operations) => Self::of_stencil(state, operations),
+        let real = precision.bytes() as f64;
+        match sum {
+            Sum::Listed => Self::of_list(real, state, neighbors),
+            Sum::Searched { dimension, candidates } => {
+                let axes = dimension as f64;
+                Self::of_search(real, state, neighbors, axes, candidates)
+            }
+            Sum::Stencil(operations) => Self::of_stencil(state, operations),
+        }
+    }
+
+    /// The place of the particle in its cell and the cell, one state read and one written: what lies around
+    /// comes from a cache. A candidate takes, along each axis, a difference, a scale and a square that is
+    /// added; a neighbour about ten operations for its weight, and three as in a list.
+    fn of_search(real: f64, state: f64, neighbors: f64, axes: f64, candidates: f64) -> Self {
+        Self {
+            bytes: axes * real + INDEX + 2.0 * state,
+            operations: 4.0 * axes * candidates + 13.0 * neighbors + EULER,
         }
     }
 
@@ -46,17 +77,24 @@ impl Cost {
     }
 }
 
-/// Operations of the stencil of a choice that is a lattice, far from edges: as the CPU factors the
-/// sum (`src/solver/cpu/lattice/kernel.rs`) or as the shaders write it out.
-pub(super) fn stencil_operations(choice: &PathChoice, machine: MachineKind) -> Option<f64> {
-    let PathChoice::Lattice(scene) = choice else {
-        return None;
-    };
-    let operations = match machine {
-        MachineKind::Cpu => factored(&scene.classes),
-        MachineKind::Gpu(_) => written_out(&scene.classes),
-    };
-    Some(operations as f64)
+/// How the sum of `problem` is made along `choice`; the operations of a stencil are those far from edges, as
+/// the CPU factors the sum (`src/solver/cpu/lattice/kernel.rs`) or as the shaders write it out.
+pub(super) fn sum(problem: &Problem, choice: &PathChoice, machine: MachineKind) -> Sum {
+    match choice {
+        PathChoice::Lattice(scene) => {
+            let operations = match machine {
+                MachineKind::Cpu => factored(&scene.classes),
+                MachineKind::Gpu(_) => written_out(&scene.classes),
+            };
+            Sum::Stencil(operations as f64)
+        }
+        PathChoice::MatrixFree(_) => {
+            let cell = problem.kernel.support_radius() / problem.spacing;
+            let dimension = problem.dimension;
+            Sum::Searched { dimension, candidates: (3.0 * cell).powi(dimension as i32) }
+        }
+        PathChoice::List(_) | PathChoice::Mixed(..) => Sum::Listed,
+    }
 }
 
 /// The lines of a class are added up (n - 1 operations) and n C is taken off (2); each weight adds
@@ -97,7 +135,7 @@ mod tests {
     fn cost(path: PathWish, dimension: usize, support_ratio: f64, neighbors: f64) -> Cost {
         let problem = scene(1000, dimension, support_ratio);
         let choice = PathChoice::new(&problem, MachineKind::Cpu, path).expect("it is a lattice");
-        Cost::new(MachineKind::Cpu, neighbors, stencil_operations(&choice, MachineKind::Cpu))
+        Cost::new(MachineKind::Cpu, neighbors, sum(&problem, &choice, MachineKind::Cpu))
     }
 
     #[test]
@@ -109,8 +147,12 @@ mod tests {
         assert_eq!(lattice.bytes, 16.0);
         assert_eq!(cost(PathWish::Lattice, 3, 3.0, 92.0).bytes, 16.0, "whatever the support");
         let device = MachineKind::Gpu(Precision::F32);
-        let list = Cost::new(device, 26.0, None);
+        let list = Cost::new(device, 26.0, Sum::Listed);
         assert_eq!(list.bytes, 26.0 * 8.0 + 4.0 + 8.0);
+        let searched = Sum::Searched { dimension: 3, candidates: 216.0 };
+        assert_eq!(sum(&scene(1000, 3, 2.0), &PathChoice::MatrixFree(None), device), searched);
+        let search = Cost::new(device, 26.0, searched);
+        assert_eq!(search, Cost { bytes: 12.0 + 4.0 + 8.0, operations: 12.0 * 216.0 + 340.0 });
     }
 
     #[test]
@@ -124,7 +166,7 @@ mod tests {
         let device = MachineKind::Gpu(Precision::F32);
         let choice = PathChoice::new(&problem, device, PathWish::Lattice).expect("a lattice");
         // 26 neighbours of five weights: one on the line itself, two in each class.
-        assert_eq!(stencil_operations(&choice, device), Some(2.0 * 26.0 + 5.0));
+        assert_eq!(sum(&problem, &choice, device), Sum::Stencil(2.0 * 26.0 + 5.0));
         let mut classes = [LineClass { lines: vec![[0, 1]], weights: vec![3.0, 2.0, 1.0] }];
         assert_eq!((factored(&classes), written_out(&classes)), (20, 13));
         classes[0].weights[1] = 0.0;

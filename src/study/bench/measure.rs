@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::cost::{Cost, stencil_operations};
+use super::cost::{Cost, sum};
 use super::{Bench, Progressing};
 use crate::model::Problem;
 use crate::report::bench::Measurement;
@@ -55,10 +55,10 @@ impl Progressing {
         let started = Instant::now();
         let machine = self.machine.kind();
         let choice = PathChoice::new(problem, machine, self.series.path)?;
-        let stencil = stencil_operations(&choice, machine);
+        let sum = sum(problem, &choice, machine);
         let watch = Stopwatch { started, least, particles: problem.particles.len() as f64 };
         let run = start(problem, &self.machine, choice, false, watch)??;
-        let cost = Cost::new(machine, run.neighbors, stencil);
+        let cost = Cost::new(machine, run.neighbors, sum);
         Ok((run, cost))
     }
 }

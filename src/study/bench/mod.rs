@@ -9,9 +9,10 @@ mod scene;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use super::memory::free_memory;
 use crate::report::bench::{BENCH_VERSION, BenchReport, LeftOutSize, LimitReport, SeriesReport};
 use crate::report::run::DIFFUSPH_VERSION;
-use crate::solver::{Limits, Machine, PathWish, Precision, SolverError, limits};
+use crate::solver::{Limits, Machine, Path, PathWish, Precision, SolverError, limits};
 
 /// The least size: in a smaller box hardly a particle is far from every edge.
 pub const LEAST_SIZE: u64 = 1000;
@@ -161,8 +162,7 @@ impl<'a> Bench<'a> {
     fn measure_limits(&mut self, precision: Precision) -> Result<(), SolverError> {
         let options = self.options;
         let machine = options.machine.in_precision(precision);
-        let limits =
-            Limits::measure(&machine, LIMIT_SHARE * options.least, room::free_memory() / 8)?;
+        let limits = Limits::measure(&machine, LIMIT_SHARE * options.least, free_memory() / 8)?;
         self.report.limits.push(LimitReport {
             precision: precision.name().to_owned(),
             copy_bytes_per_s: limits.copy,
@@ -184,7 +184,7 @@ impl<'a> Bench<'a> {
     /// Measures every series of a dimension at `size`, on one scene.
     fn at_size(&mut self, dimension: usize, size: u64) -> Result<ControlFlow<()>, SolverError> {
         let particles = scene::count(size, dimension);
-        let free = room::free_memory();
+        let free = free_memory();
         let mut fitting = Vec::new();
         for (index, of) in self.all_series.iter_mut().enumerate() {
             if of.series.dimension != dimension || of.closed {
@@ -268,8 +268,8 @@ impl Progressing {
 impl Series {
     fn path_name(&self) -> &'static str {
         match self.path {
-            PathWish::Lattice => "lattice",
-            PathWish::Auto | PathWish::List => "list",
+            PathWish::Auto => Path::List.name(),
+            path => path.name(),
         }
     }
 

@@ -1,17 +1,13 @@
 //! Whether a size fits: into memory, into the device's buffers, into the time there is.
 
-use sysinfo::System;
-
 use super::Series;
 use super::scene::{PARTICLE_BYTES, inner_neighbors};
 use crate::report::format::{bytes, grouped, wall_time};
 use crate::solver::{Machine, MachineKind, PathWish};
+use crate::study::memory::SHARE;
 
 /// Indices are u32, of which backends reserve the top ones.
 const MOST_PARTICLES: u64 = u32::MAX as u64 - 2;
-
-/// The part of the memory that is free which a size may take.
-const SHARE: f64 = 0.8;
 
 /// Bytes of a particle that sorting into cells takes: its cell and its place.
 const SORTING: u64 = 8;
@@ -20,16 +16,6 @@ const SORTING: u64 = 8;
 /// in f64 and as the device takes it, its row, the length of its row.
 const UPLOADING: u64 = 24 + 24 + 16;
 
-/// Memory that is free, bytes: that of the machine or of its control group, whichever has less.
-pub(super) fn free_memory() -> u64 {
-    let mut system = System::new();
-    system.refresh_memory();
-    // What a group's limit counts includes pages of files, which give way.
-    let of_group =
-        system.cgroup_limits().map(|limits| limits.total_memory.saturating_sub(limits.rss));
-    system.available_memory().min(of_group.unwrap_or(u64::MAX))
-}
-
 /// Memory of programs that a size takes at most while it is set up and runs, bytes: its scene, the
 /// operator and the states.
 pub(super) fn needed(series: &Series, machine: &Machine, particles: u64) -> u64 {
@@ -37,6 +23,7 @@ pub(super) fn needed(series: &Series, machine: &Machine, particles: u64) -> u64 
     let neighbors = inner_neighbors(series.dimension, series.support_ratio);
     let operator = match series.path {
         PathWish::Lattice => 0,
+        PathWish::MatrixFree => series.dimension as u64 * precision.bytes() + 8,
         // Entries; order and start, or length, of each row.
         _ => neighbors * (4 + precision.bytes()) + 8,
     };
@@ -101,6 +88,7 @@ pub(super) fn why_too_slow(
 mod tests {
     use super::*;
     use crate::solver::Precision;
+    use crate::study::memory::free_memory;
 
     fn series(path: PathWish) -> Series {
         Series { path, precision: Precision::F64, dimension: 3, support_ratio: 2.0 }

@@ -34,10 +34,11 @@ pub(super) struct Predicted {
     pub(super) seconds: f64,
 }
 
-/// The expected cost of `problem`, by list if it is so wished.
-pub(super) fn predict(problem: &Problem, by_list: bool, backend: &str) -> Predicted {
+/// The expected cost of `problem`, along the `path` of the flag, if there is one.
+pub(super) fn predict(problem: &Problem, path: Option<&str>, backend: &str) -> Predicted {
     let particles = problem.particles.len() as u64;
-    let is_stencil = !by_list && LatticeScene::of(problem).is_ok();
+    let by_neighbors = path.filter(|path| ["list", "matrix-free"].contains(path));
+    let is_stencil = by_neighbors.is_none() && LatticeScene::of(problem).is_ok();
     let (mut neighbors, mut rate_bound) = (0.0_f64, 0.0);
     let volume = problem.spacing.powi(problem.dimension as i32);
     let moment = problem.correction.moment(&problem.kernel, problem.spacing);
@@ -53,7 +54,7 @@ pub(super) fn predict(problem: &Problem, by_list: bool, backend: &str) -> Predic
     };
     let count = particles as f64;
     let seconds = START + count / set_up + count * neighbors.max(1.0) * work / rate;
-    let path = if is_stencil { "stencil" } else { "list" };
+    let path = if is_stencil { "stencil" } else { by_neighbors.unwrap_or("list") };
     Predicted {
         particles,
         spacing: problem.spacing,
@@ -119,7 +120,7 @@ mod tests {
         let overrides: Vec<Override> =
             set.iter().map(|text| Override::parse(text).expect("an override")).collect();
         let scene = case::load("gaussian_small", &overrides).expect("a case");
-        predict(&scene.problem, false, "cpu")
+        predict(&scene.problem, None, "cpu")
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl<'a, 'b> Measuring<'a, 'b> {
             let scene = candidate.load(self.options.case);
             predicted.push(scene.as_ref().ok().map(|scene| {
                 let backend = candidate.flag("backend").unwrap_or("cpu");
-                predict(&scene.problem, candidate.flag("path") == Some("list"), backend)
+                predict(&scene.problem, candidate.flag("path"), backend)
             }));
             loaded.push(scene.map(|_| ()));
         }

@@ -21,7 +21,7 @@ const SHORT: [(&str, &str); 8] = [
 const FLAGS: [(&str, &[&str]); 3] = [
     ("backend", &["auto", "cpu", "gpu"]),
     ("precision", &["auto", "f32", "compensated", "f64"]),
-    ("path", &["auto", "list", "lattice"]),
+    ("path", &["auto", "list", "lattice", "matrix-free"]),
 ];
 
 /// Something that takes several values in a study.

@@ -140,7 +140,7 @@ impl Tools {
             device.storage("sums", reals(4 * groups))
         };
         let held = match operator {
-            Operator::List { .. } => None,
+            Operator::List { .. } | Operator::Search { .. } => None,
             Operator::Lattice(_) => steps.exchange().map(twin),
         };
         let walls = steps.walls().map(|walls| twin(walls.buffers()[1]));

@@ -1,6 +1,9 @@
+// Neighbours with their weights from the list. A row's mark has its length, with HELD_BIT in held rows
+// and WALL_BIT in those with a slot of a wall, which their list names after the last neighbour.
+
 // How many neighbours a row has.
 fn list_length(row: u32) -> u32 {
-    return row_length[row] & LENGTH_MASK;
+    return row_mark[row] & MARKED_MASK;
 }
 
 // sum_b w_ab (C_b - C_a) over the list of a row: its rate of change, dimensionless in time.
@@ -15,10 +18,19 @@ fn row_sum(row: u32) -> real {
     return sum;
 }
 
-// A row with a slot of a wall carries WALL_BIT in its length, and its list names the slot after the
-// last neighbour.
+// The factor of a row's own value in that.
+fn row_diagonal(row: u32) -> real {
+    let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
+    let end = first + list_length(row) * SLICE_ROWS;
+    var sum = real(0.0);
+    for (var i = first; i < end; i += SLICE_ROWS) {
+        sum -= weight[i];
+    }
+    return sum;
+}
+
 fn has_wall(row: u32) -> bool {
-    return (row_length[row] & WALL_BIT) != 0u;
+    return (row_mark[row] & WALL_BIT) != 0u;
 }
 
 fn wall_slot(row: u32) -> u32 {
