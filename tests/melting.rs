@@ -184,6 +184,91 @@ fn a_steady_profile_of_a_conductivity_of_temperature_is_exact() {
     assert!(run(&scene).0.error.expect("exact").linf > 0.01);
 }
 
+/// The same case straight to its steady state.
+fn steady(mut case: Value) -> Scene {
+    case["time"] = json!({ "end": 1, "method": "steady", "linear_tolerance": 1e-13 });
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn the_steady_state_of_a_conductivity_of_temperature_is_one_linear_system() {
+    let scene = steady(slab(&json!([[300, 5], [400, 10]]), 2.0));
+    for (machine, paths, most) in [
+        (Machine::Cpu, vec![PathWish::Lattice, PathWish::List], 1e-9),
+        (on_gpu(Precision::F64), vec![PathWish::Lattice, PathWish::List], 1e-9),
+        (on_gpu(Precision::Compensated), vec![PathWish::MatrixFree], 1e-2),
+    ] {
+        let mut case = slab(&json!([[300, 5], [400, 10]]), 2.0);
+        case["time"] = json!({ "end": 1, "method": "steady" });
+        let scene = match machine.kind().precision() {
+            Precision::F64 => scene.clone(),
+            _ => load(&case).expect("a case"),
+        };
+        for path in paths {
+            let (report, _) = run_on(&scene, &machine, path);
+            let error = report.error.expect("exact").linf;
+            assert!(error < most, "{path:?}: {error:e}");
+            assert!(report.operator_applications < 100, "{}", report.operator_applications);
+        }
+    }
+    let wrong = steady(slab(&json!([[300, 5], [400, 9.9]]), 2.0));
+    assert!(run(&wrong).0.error.expect("exact").linf > 0.01);
+}
+
+/// A bar of 0.4 m that melts at 300 K, from 280 to `hot` (K) in a step.
+fn half_hot(hot: f64, walls: Value) -> Value {
+    json!({
+        "title": "half hot", "dimension": 1,
+        "particles": { "spacing": 0.01,
+            "fill": [{ "shape": { "box": { "min": [0], "max": [0.4] } }, "material": "m" }] },
+        "kernel": { "name": "cubic_spline", "support_ratio": 2 },
+        "materials": { "m": {
+            "conductivity": [[250, 2], [300, 4]], "density": 1000, "heat_capacity": 1,
+            "melting_temperature": 300, "latent_heat": 50,
+            "liquid": { "conductivity": 1, "heat_capacity": 2 }
+        } },
+        "initial": [
+            { "value": 280 }, { "value": hot, "where": { "box": { "min": [0.2], "max": [0.4] } } }
+        ],
+        "boundaries": walls
+    })
+}
+
+#[test]
+fn steady_states_of_what_melts_keep_its_energy_or_its_walls() {
+    let value =
+        |face: &str, value: f64| json!({ "wall": { "faces": [face], "kind": { "value": value } } });
+    let held = steady(half_hot(280.0, json!([value("x_min", 260.0), value("x_max", 340.0)])));
+    let insulated = json!([{ "wall": { "faces": ["x_min", "x_max"], "kind": "insulated" } }]);
+    for machine in [Machine::Cpu, on_gpu(Precision::F64)] {
+        // Heat flows k of the solid, 3.2 on average from 260 K, times 40 K, then 1 times 40 K.
+        let (report, state) = run_on(&held, &machine, PathWish::Auto);
+        let solid = 0.4 * (40.0 * 3.2) / (40.0 * 3.2 + 40.0);
+        let front = 0.4 - report.front.expect("it melts").position;
+        assert!((front - solid).abs() < 0.01, "{front} {solid}");
+        let fall = |x: f64| 40.0 * (0.4 - x) / (0.4 - solid);
+        for (x, value) in held.problem.particles.position.iter().zip(&*held.problem.values(&state))
+        {
+            if x.x > solid {
+                assert!((value - (340.0 - fall(x.x))).abs() < 1e-8, "{x} {value}");
+            }
+        }
+        // The heat of 320 K, 20 + 50 / 1 + 2 x 20, or a part of it, shared by two halves.
+        for (hot, wanted) in [(290.0, 285.0), (320.0, 300.0), (345.0, 305.0)] {
+            let scene = steady(half_hot(hot, insulated.clone()));
+            let (report, state) = run_on(&scene, &machine, PathWish::Auto);
+            let values = scene.problem.values(&state);
+            let off = values.iter().map(|value| (value - wanted).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{hot}: {off:e}");
+            let drift = report.conserved.relative_drift.abs();
+            assert!(drift < 1e-13, "{hot}: {drift:e}");
+            let liquid = report.front.expect("it melts").position / 0.4;
+            let expected = if hot == 320.0 { 0.7 } else { f64::from(hot > 320.0) };
+            assert!((liquid - expected).abs() < 1e-12, "{hot}: {liquid}");
+        }
+    }
+}
+
 /// Everything at once: a range of melting, a table, a held corner, a flux, a moving source, a hole.
 fn everything(method: &str, hole: bool) -> Value {
     let body = json!({ "box": { "min": [0, 0], "max": [0.04, 0.03] } });

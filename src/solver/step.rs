@@ -108,7 +108,7 @@ pub fn choose_step(
     if method == Method::Steady && FoldNeeds::of(problem) == FoldNeeds::Changing {
         return Err(SolverError::NeverSteady);
     }
-    if method == Method::Steady && problem.has_curves() {
+    if method == Method::Steady && !problem.has_one_curve() {
         return Err(SolverError::SteadyOfCurves);
     }
     let (dt, tolerance) = match problem.time.step {

@@ -270,6 +270,23 @@ impl HeatCurve {
         }
     }
 
+    /// The enthalpy at a potential (K), K: where it melts sharply that of the solid, and beyond what is known
+    /// of the conductivity as if it went on.
+    pub fn enthalpy_of_potential(&self, potential: f64) -> f64 {
+        let known = self.segments.iter().filter(|segment| !segment.potential.is_nan());
+        let below = known.clone().take_while(|segment| segment.potential < potential).last();
+        let Some(segment) = below.or(known.clone().next()) else {
+            return f64::NAN;
+        };
+        let rise = potential - segment.potential;
+        // The root of (slope + bend x) x = rise that goes to 0 with the rise, without cancellation.
+        let root = (segment.slope.powi(2) + 4.0 * segment.bend * rise).sqrt();
+        match segment.slope + root {
+            0.0 => segment.start,
+            sum => segment.start + 2.0 * rise / sum,
+        }
+    }
+
     /// The potential at a temperature (K), K.
     pub fn potential_at(&self, temperature: f64) -> f64 {
         self.potential(self.enthalpy(temperature))

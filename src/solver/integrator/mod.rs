@@ -6,7 +6,7 @@
 //! | `heun`, `rkl2` | `explicit` | recurrences of [`crate::model::integrator::Recurrence`] |
 //! | `tr_bdf2` | `tr_bdf2` | two linear systems a step, by conjugate gradients (`cg`), or where the state is an
 //! enthalpy two that are not linear (`newton`) |
-//! | `steady` | `steady` | one linear system |
+//! | `steady` | `steady` | one linear system, of an enthalpy that of its `potentials` |
 //!
 //! Steps are equal (`fixed`) or follow a tolerance (`control`).
 
@@ -16,6 +16,7 @@ mod control;
 mod explicit;
 mod fixed;
 mod newton;
+mod potentials;
 mod spectrum;
 mod steady;
 mod stepper;

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::cg::{Goal, LinearSolve};
+use super::potentials::add_to_potentials;
 use crate::model::Problem;
 use crate::model::operator::floating_bodies;
 use crate::solver::{Backend, SolverError};
@@ -11,7 +12,8 @@ use crate::solver::{Backend, SolverError};
 const CONSISTENT: f64 = 1e-8;
 
 /// Goes to the state where A C + s = 0, and returns the operator applications. In a body where nothing holds
-/// a value, that is known up to a constant: the one with the mean of the present state is taken.
+/// a value, that is known up to a constant: the one with the mean of the present state is taken. Where the
+/// state is an enthalpy, C are its potentials, of which the steady state is as linear.
 ///
 /// Conjugate gradients solve -A x = A C + s for the change x, until the norm of the residual that the
 /// preconditioner induces has fallen to `reduction` of what it was. `rounding` is what the precision may
@@ -43,7 +45,11 @@ pub fn solve_steady<B: Backend>(
     for body in &bodies {
         take_mean(backend, problem, body, &mut change)?;
     }
-    backend.add(&change)?;
+    if backend.is_linear() {
+        backend.add(&change)?;
+    } else {
+        add_to_potentials(backend, problem, &bodies, &change)?;
+    }
     Ok(solve.applications() + 1)
 }
 
