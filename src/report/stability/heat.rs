@@ -13,12 +13,23 @@ const NAME_WIDTH: i32 = 240;
 const CELL: (i32, i32) = (104, 26);
 const HEADER: i32 = 58;
 const LEGEND: i32 = 40;
+const LEGEND_LINE: i32 = 22;
+
+/// What colours say.
+const MEANINGS: [&str; 4] = [
+    "pass: all that was checked holds",
+    "degraded: what is promised holds",
+    "refused, as documented",
+    "FAIL: a promise is broken",
+];
 
 /// The heat map of the trials on `machine`, as SVG text.
 pub(super) fn svg(report: &StabilityReport, machine: (&str, &str)) -> Result<String, Failure> {
     let (scenes, ways) = report.axes(machine);
     let width = NAME_WIDTH + CELL.0 * ways.len() as i32 + 12;
-    let height = HEADER + CELL.1 * scenes.len() as i32 + LEGEND;
+    let (places, lines) = legend(width);
+    let table = HEADER + CELL.1 * scenes.len() as i32;
+    let height = table + LEGEND + LEGEND_LINE * (lines - 1);
     canvas::svg((width, height), |root| {
         for (column, way) in ways.iter().enumerate() {
             let x = NAME_WIDTH + CELL.0 * column as i32 + CELL.0 / 2;
@@ -41,21 +52,28 @@ pub(super) fn svg(report: &StabilityReport, machine: (&str, &str)) -> Result<Str
                 cell(root, (x, y), color(trial.verdict), &trial.cell())?;
             }
         }
-        let y = height - LEGEND + 10;
-        let meanings = [
-            "pass: all that was checked holds",
-            "degraded: what is promised holds",
-            "refused, as documented",
-            "FAIL: a promise is broken",
-        ];
-        let mut x = 20;
-        for (verdict, meaning) in Verdict::ALL.into_iter().zip(meanings) {
+        for ((verdict, meaning), (x, line)) in Verdict::ALL.into_iter().zip(MEANINGS).zip(places) {
+            let y = table + 10 + LEGEND_LINE * line;
             area(root, (x, y + 2), (18, 16), color(verdict))?;
             text(root, meaning, (x + 26, y + 10), HPos::Left, 12.5)?;
-            x += 46 + (6.6 * meaning.chars().count() as f64) as i32;
         }
         Ok(())
     })
+}
+
+/// Where each of [`MEANINGS`] begins and in which line, in a picture of this width; and how many lines.
+fn legend(width: i32) -> ([(i32, i32); 4], i32) {
+    let (mut x, mut line) = (20, 0);
+    let places = MEANINGS.map(|meaning| {
+        let taken = 46 + (6.6 * meaning.chars().count() as f64) as i32;
+        if x > 20 && x + taken > width {
+            (x, line) = (20, line + 1);
+        }
+        let place = (x, line);
+        x += taken;
+        place
+    });
+    (places, line + 1)
 }
 
 /// Light enough for dark text, and apart in lightness too.
@@ -87,4 +105,18 @@ fn text(root: &Area<'_>, words: &str, (x, y): (i32, i32), side: HPos, size: f64)
     let style = font(size).pos(Pos::new(side, VPos::Center));
     root.draw_text(words, &style, (x * FINE, y * FINE))?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_legend_takes_more_lines() {
+        let (places, lines) = legend(2000);
+        assert_eq!((places.map(|(_, line)| line), lines), ([0; 4], 1));
+        let (places, lines) = legend(700);
+        assert_eq!((places.map(|(_, line)| line), lines), ([0, 0, 1, 1], 2));
+        assert_eq!(places[2].0, places[0].0);
+    }
 }
