@@ -194,8 +194,8 @@ pub(super) struct TimeSpec {
     /// What the steps may leave as an error of the result, in place of a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) tolerance: Option<ToleranceSpec>,
-    /// The time integrator: auto takes the cheapest that is accurate enough; steady goes straight to
-    /// the steady state.
+    /// The time integrator: auto takes the cheapest that follows the tolerance, or where something melts
+    /// euler; steady goes straight to the steady state.
     #[serde(default = "default_method")]
     #[schemars(schema_with = "method_names")]
     pub(super) method: String,
