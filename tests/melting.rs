@@ -211,6 +211,12 @@ fn the_steady_state_of_a_conductivity_of_temperature_is_one_linear_system() {
             assert!(report.operator_applications < 100, "{}", report.operator_applications);
         }
     }
+    // What is known of an expression ends, here at 200 K.
+    let scene = steady(slab(&json!("5*(1 + (T - 300)/100)"), 2.0));
+    for machine in [Machine::Cpu, on_gpu(Precision::F64)] {
+        let error = run_on(&scene, &machine, PathWish::Auto).0.error.expect("exact").linf;
+        assert!(error < 1e-5, "{error:e}");
+    }
     let wrong = steady(slab(&json!([[300, 5], [400, 9.9]]), 2.0));
     assert!(run(&wrong).0.error.expect("exact").linf > 0.01);
 }
@@ -349,6 +355,28 @@ fn a_gpu_melts_as_the_cpu_does() {
                 let what = format!("{method} {path:?} {}", precision.name());
                 assert!(worst < most && drift < kept, "{what}: {worst:e} K, drift {drift:e}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_gpu_does_everything_at_once_as_the_cpu_does() {
+    for (hole, path) in
+        [(false, PathWish::Lattice), (true, PathWish::List), (true, PathWish::MatrixFree)]
+    {
+        let mut case = everything("euler", hole);
+        case["time"].as_object_mut().expect("an object").remove("tolerance");
+        let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
+        let (_, cpu) = run_on(&scene, &Machine::Cpu, PathWish::List);
+        for (precision, most, kept) in
+            [(Precision::F64, 1e-8, 1e-12), (Precision::Compensated, 0.05, 1e-6)]
+        {
+            let (report, gpu) = run_on(&scene, &on_gpu(precision), path);
+            let worst = cpu.iter().zip(&gpu).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let drift = report.conserved.relative_drift.abs();
+            let what = format!("{path:?} {}", precision.name());
+            assert!(worst < most && drift < kept, "{what}: {worst:e} K, drift {drift:e}");
+            assert!(report.front.expect("it melts").liquid_volume > 1e-7, "{what}");
         }
     }
 }
@@ -554,7 +582,7 @@ fn a_conductivity_that_ends_is_named_with_the_temperature_and_the_particle() {
     let mut case = slab(&json!("2 - T/500"), 2.0);
     case.as_object_mut().expect("an object").remove("exact");
     case["sources"] = json!([{ "rate": 1e5 }]);
-    for method in ["euler", "rkl2", "tr_bdf2"] {
+    for method in ["euler", "rkl2", "tr_bdf2", "steady"] {
         case["time"] = json!({ "end": 100, "method": method });
         let scene = load(&case).expect("a case");
         let stopped = outcome(&scene, &Machine::Cpu, PathWish::Auto).stopped;

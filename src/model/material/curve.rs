@@ -273,14 +273,14 @@ impl HeatCurve {
     /// The enthalpy at a potential (K), K: where it melts sharply that of the solid, and beyond what is known
     /// of the conductivity as if it went on.
     pub fn enthalpy_of_potential(&self, potential: f64) -> f64 {
-        let known = self.segments.iter().filter(|segment| !segment.potential.is_nan());
-        let below = known.clone().take_while(|segment| segment.potential < potential).last();
-        let Some(segment) = below.or(known.clone().next()) else {
-            return f64::NAN;
-        };
+        // Unknown are at most the first and the last.
+        let unknown = usize::from(self.segments[0].potential.is_nan());
+        let known = &self.segments[unknown..];
+        let next = known.partition_point(|segment| segment.potential < potential);
+        let segment = &known[next.saturating_sub(1)];
         let rise = potential - segment.potential;
         // The root of (slope + bend x) x = rise that goes to 0 with the rise, without cancellation.
-        let root = (segment.slope.powi(2) + 4.0 * segment.bend * rise).sqrt();
+        let root = (segment.slope.powi(2) + 4.0 * segment.bend * rise).max(0.0).sqrt();
         match segment.slope + root {
             0.0 => segment.start,
             sum => segment.start + 2.0 * rise / sum,

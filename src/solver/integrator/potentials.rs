@@ -2,11 +2,13 @@
 
 use std::array;
 
+use rayon::prelude::*;
+
 use crate::model::{HeatCurve, Problem};
 use crate::solver::{Backend, SolverError};
 
-/// Halvings that leave nothing between two numbers.
-const MOST_HALVINGS: u32 = 200;
+/// Doublings and halvings that leave nothing between two numbers.
+const MOST_TRIALS: u32 = 200;
 
 /// Adds `change` (K), which is 0 for held particles, to the potentials of the state. In each of `bodies`,
 /// where nothing holds a value and potentials are known up to a constant, takes the one that keeps the
@@ -21,9 +23,11 @@ pub(super) fn add_to_potentials<B: Backend>(
     change: &B::Vector,
 ) -> Result<(), SolverError> {
     let before = backend.read()?.as_ref().to_vec();
-    // A vector is read by adding it; what that leaves is replaced below.
+    // A vector is read by adding it; what that leaves is no state of the scene.
+    backend.save()?;
     backend.add(change)?;
     let moved = backend.read()?.as_ref().to_vec();
+    backend.restore()?;
     let curve = |particle: usize| problem.curve(particle);
     let aim = |particle: usize, shift: f64| match curve(particle) {
         Some(curve) => {
@@ -31,7 +35,7 @@ pub(super) fn add_to_potentials<B: Backend>(
         }
         None => moved[particle] + shift,
     };
-    let mut after = moved.clone();
+    let mut after = before.clone();
     for (particle, after) in after.iter_mut().enumerate() {
         if moved[particle] != before[particle] {
             *after = of_potential(curve(particle), aim(particle, 0.0));
@@ -42,7 +46,8 @@ pub(super) fn add_to_potentials<B: Backend>(
         let wanted: f64 = body.iter().map(|&p| energy(p, before[p as usize])).sum();
         let total = |shift: f64| -> f64 {
             let of = |p: u32| of_potential(curve(p as usize), aim(p as usize, shift));
-            body.iter().map(|&p| energy(p, of(p))).sum()
+            let each: Vec<f64> = body.par_iter().map(|&p| energy(p, of(p))).collect();
+            each.iter().sum()
         };
         let [low, high] = around(total, wanted);
         let totals = [low, high].map(total);
@@ -59,11 +64,11 @@ pub(super) fn add_to_potentials<B: Backend>(
     }
     let is_unknown = |p: usize| curve(p).is_some_and(|curve| curve.potential(after[p]).is_nan());
     let is_beyond = (0..after.len()).any(is_unknown);
-    let error = is_beyond.then(|| SolverError::of_temperatures(problem, &after, 1, 0.0));
+    let error = is_beyond.then(|| SolverError::of_temperatures(problem, &after, 0, 0.0));
     if let Some(error) = error.flatten() {
         return Err(error);
     }
-    let correction: Vec<f64> = after.iter().zip(&moved).map(|(a, b)| a - b).collect();
+    let correction: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a - b).collect();
     let mut vector = backend.vector()?;
     backend.load(&correction, &mut vector)?;
     backend.add(&vector)
@@ -76,16 +81,16 @@ fn of_potential(curve: Option<&HeatCurve>, potential: f64) -> f64 {
 /// Two neighbouring shifts between which a total that never falls passes `wanted`.
 fn around(total: impl Fn(f64) -> f64, wanted: f64) -> [f64; 2] {
     let (mut low, mut high) = (-1.0, 1.0);
-    for _ in 0..MOST_HALVINGS {
+    for _ in 0..MOST_TRIALS {
         match (total(low) > wanted, total(high) < wanted) {
             (true, _) => low *= 2.0,
             (_, true) => high *= 2.0,
             _ => break,
         }
     }
-    for _ in 0..MOST_HALVINGS {
+    for _ in 0..MOST_TRIALS {
         let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+        if middle.abs() < f64::EPSILON || middle <= low || middle >= high {
             break;
         }
         if total(middle) <= wanted { low = middle } else { high = middle }
