@@ -27,6 +27,9 @@ const GROWTH_OFF: f64 = 0.01;
 /// Up to this contrast of diffusivities the accuracy of methods that solve linear systems is promised.
 const MOST_CONTRAST: f64 = 1e6 * (1.0 + 1e-9);
 
+/// Up to this error in the field, of its scale, what a solve leaves is promised.
+const MOST_UNSOLVED: f64 = 1e-2;
+
 /// Times at which what walls impose is looked at.
 const LOOKS: u32 = 32;
 
@@ -124,7 +127,9 @@ impl Judge<'_> {
     /// Whether the accuracy of `way` is promised: methods that solve linear systems know small residuals
     /// alone, and at a large contrast the error may be far larger.
     fn is_promised(&self, way: Way) -> bool {
-        !self.is_warned() && (!way.solves() || contrast(self.problem) <= MOST_CONTRAST)
+        let is_small =
+            || contrast(self.problem) <= MOST_CONTRAST && self.unsolved(way) <= MOST_UNSOLVED;
+        !self.is_warned() && (!way.solves() || is_small())
     }
 
     /// What the end of a linear system's solve leaves in the field, over what it leaves of the residual: as much as

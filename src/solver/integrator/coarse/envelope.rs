@@ -10,6 +10,9 @@ pub(super) struct Envelope {
     entries: Vec<f64>,
 }
 
+/// Of the largest entry of a diagonal: below are no numbers, whatever the contrast.
+const NOTHING: f64 = 1e-15;
+
 impl Envelope {
     /// The matrix with `rows`, each its columns up to the diagonal with their entries, ascending.
     pub(super) fn new(rows: &[Vec<(usize, f64)>]) -> Self {
@@ -34,12 +37,12 @@ impl Envelope {
     }
 
     /// L with L L^T = `scale` x this + diag(`diagonal`), which is positive definite (Cholesky's method on the
-    /// envelope: George and Liu 1981, chapter 4). Where a pivot is not above `least` of the largest entry of
-    /// the diagonal, the matrix is singular but for rounding: that unknown is 0.
+    /// envelope: George and Liu 1981, chapter 4). Where a pivot is not above `least` of its own entry of the
+    /// diagonal, the matrix is singular but for rounding: that unknown is 0.
     pub(super) fn factor(&self, scale: f64, diagonal: impl Fn(usize) -> f64, least: f64) -> Self {
         let mut l = self.clone();
         let own = |i: usize| scale * self.entries[self.start[i] + i - self.first[i]] + diagonal(i);
-        let least = least * (0..self.first.len()).map(own).fold(0.0, f64::max);
+        let nothing = NOTHING * (0..self.first.len()).map(own).fold(0.0, f64::max);
         for i in 0..l.first.len() {
             let (first, start) = (l.first[i], l.start[i]);
             for j in first..i {
@@ -52,7 +55,8 @@ impl Envelope {
             let squares: f64 = l.entries[start..start + i - first].iter().map(|x| x * x).sum();
             let pivot = own(i) - squares;
             // What is divided by infinity is 0.
-            l.entries[start + i - first] = if pivot > least { pivot.sqrt() } else { f64::INFINITY };
+            l.entries[start + i - first] =
+                if pivot > nothing.max(least * own(i)) { pivot.sqrt() } else { f64::INFINITY };
         }
         l
     }
