@@ -11,7 +11,6 @@ use super::pictures;
 use super::recorder::Recorder;
 use super::stagnated::stagnated;
 use crate::case::Scene;
-use crate::gpu::Device;
 use crate::model::Problem;
 use crate::model::integrator::Method;
 use crate::model::lattice::{LatticeScene, MixedScene};
@@ -26,8 +25,8 @@ use crate::report::{Norms, OutputError, OutputFolder, total};
 use crate::solver::cpu::CpuBackend;
 use crate::solver::gpu::{GpuBackend, GpuOptions};
 use crate::solver::{
-    Backend, Machine, MachineKind, Path, PathChoice, PathWish, Plan, Precision, Progress,
-    SolverError, Step, Stepper, Taken, advance, choose_step, measure_limit,
+    Backend, Machine, MachineKind, Path, PathChoice, PathWish, Plan, Progress, SolverError, Step,
+    Stepper, Taken, advance, choose_step, measure_limit,
 };
 
 /// What the user asked of a run beyond the case.
@@ -151,7 +150,12 @@ pub fn start<D: Driver>(
             driver.drive(prepared, backend)
         }
         (Machine::Gpu { device, precision }, _) => {
-            let (prepared, backend) = by_neighbors(problem, prepared, machine, device, *precision)?;
+            let prepared = prepared.within_memory(problem, machine);
+            let dt = prepared.step.dt;
+            let (prepared, backend) = by_neighbors(problem, prepared, |matrix_free| {
+                let options = GpuOptions { matrix_free, ..GpuOptions::new(*precision) };
+                GpuBackend::with_options(problem, dt, device, options)
+            })?;
             driver.drive(prepared, backend)
         }
         (Machine::Cpu, Some(Operator::Rows { order, rows })) => {
@@ -167,30 +171,21 @@ pub fn start<D: Driver>(
     })
 }
 
-/// Puts `problem` on a device by list, or matrix-free where that is planned or where a list, which nobody
+/// The backend that `build` makes by list, or matrix-free where that is planned or where a list, which nobody
 /// has asked for, finds no room.
-fn by_neighbors(
+fn by_neighbors<B>(
     problem: &Problem,
-    prepared: Prepared,
-    machine: &Machine,
-    device: &Device,
-    precision: Precision,
-) -> Result<(Prepared, GpuBackend), SolverError> {
-    let mut prepared = prepared.within_memory(problem, machine);
-    let dt = prepared.step.dt;
-    let build = |plan: &Plan| {
-        let matrix_free = plan.path == Path::MatrixFree;
-        let options = GpuOptions { matrix_free, ..GpuOptions::new(precision) };
-        GpuBackend::with_options(problem, dt, device, options)
-    };
-    let backend = match (build(&prepared.plan), prepared.matrix_free(problem)) {
-        (Err(error), Some(plan)) if error.is_lack_of_room() => {
-            let backend = build(&plan)?;
-            prepared.plan = plan;
-            backend
-        }
-        (built, _) => built?,
-    };
+    mut prepared: Prepared,
+    build: impl Fn(bool) -> Result<B, SolverError>,
+) -> Result<(Prepared, B), SolverError> {
+    let backend =
+        match (build(prepared.plan.path == Path::MatrixFree), prepared.matrix_free(problem)) {
+            (Err(error), Some(plan)) if error.is_lack_of_room() => {
+                prepared.plan = plan;
+                build(true)?
+            }
+            (built, _) => built?,
+        };
     Ok((prepared, backend))
 }
 
@@ -511,3 +506,7 @@ fn is_floating(problem: &Problem) -> bool {
     let floating: usize = floating_bodies(problem).iter().map(Vec::len).sum();
     floating == problem.particles.len()
 }
+
+#[cfg(test)]
+#[path = "run_tests.rs"]
+mod tests;
