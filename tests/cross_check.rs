@@ -135,7 +135,10 @@ fn fields_agree_after_many_steps_of_every_shipped_case() {
         let mut on_cpu = CpuBackend::of(&problem);
         on_cpu.euler(0.0, dt, STEPS).expect("steps");
         for precision in Precision::ALL {
-            for (path, mut on_gpu) in by_neighbors(&problem, dt, precision) {
+            // A search takes long on a software adapter: once is enough.
+            let paths = if precision == Precision::F64 { 2 } else { 1 };
+            for (path, mut on_gpu) in by_neighbors(&problem, dt, precision).into_iter().take(paths)
+            {
                 on_gpu.euler(0.0, dt, STEPS).expect("steps");
                 let name = format!("{} by {path} in {precision:?}", scene.name);
                 let found =

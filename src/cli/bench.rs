@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     /// The precision [default: every one that the machine has]
     #[arg(long, value_enum)]
     precision: Option<PrecisionFlag>,
-    /// How neighbours are known [default: each way that the machine has]
+    /// How neighbours are known [default: by lattice and by list]
     #[arg(long, value_enum)]
     path: Option<PathFlag>,
     /// Numbers of particles, about: whole, 1000 at least. One that does not fit is left out, and why

@@ -383,8 +383,14 @@ impl Plan {
             }
             Path::List => leave_of_list(problem, machine, needs, &mut leave),
             Path::MatrixFree => {
-                let why = "neighbours are searched for in every sum";
-                leave("neighbour list and weights", why, of_list.saturating_sub(particles * 8));
+                let why = match self.why_no_lattice {
+                    Some(_) => {
+                        "the list finds no room: neighbours are searched for in every step, slowly"
+                    }
+                    None => "neighbours are searched for in every step",
+                };
+                let places = particles * (8 + problem.dimension as u64 * real);
+                leave("neighbour list and weights", why, of_list.saturating_sub(places));
                 leave_of_list(problem, machine, needs, &mut leave);
             }
         }

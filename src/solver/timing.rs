@@ -91,7 +91,7 @@ mod tests {
             Ok::<_, ()>(())
         };
         let timing = Timing::of(Duration::from_millis(20), work).expect("work does not fail");
-        assert!(timing.seconds.len() >= LEAST_ROUNDS && timing.repetitions > 1, "{timing:?}");
+        assert!(timing.seconds.len() >= LEAST_ROUNDS && timing.repetitions > 0, "{timing:?}");
         // A sleep is never too short, so less would be a wrong count.
         assert!(timing.best() >= 200e-6 && timing.repetitions() < done, "{timing:?}");
         assert!(timing.best() <= timing.median() && timing.median() <= timing.worst());

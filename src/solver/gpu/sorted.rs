@@ -8,7 +8,7 @@ use crate::model::neighbors::CellLayout;
 
 /// Particles sorted by cell, and inside a cell by index.
 ///
-/// Only the search for neighbours needs it: a scene at rest drops it once the list is built.
+/// Only the search for neighbours needs it: a scene at rest drops it once a list is built.
 #[derive(Debug)]
 pub struct Sorted {
     pub(super) grid: Buffer,
