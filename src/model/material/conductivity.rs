@@ -43,6 +43,11 @@ impl Conductivity {
         self.points.iter().all(|point| point[1] == self.points[0][1])
     }
 
+    /// The largest, W/(m K).
+    pub fn largest(&self) -> f64 {
+        self.points.iter().map(|point| point[1]).fold(0.0, f64::max)
+    }
+
     /// At a temperature (K), W/(m K).
     pub fn at(&self, temperature: f64) -> f64 {
         let next = self.points.partition_point(|point| point[0] <= temperature);

@@ -65,10 +65,11 @@ pub struct HeatCurve {
 
 impl HeatCurve {
     /// The curve of a solid of conductivity `solid` and capacity `capacity` (rho c, J/(m3 K)) that melts as
-    /// `melting` says. The reference conductivity is the solid's where it melts, else at its first point.
+    /// `melting` says. The reference conductivity is the solid's where it melts, else its largest: against one
+    /// that goes to 0 somewhere, potentials would be too large for a step to show in their digits.
     pub fn new(solid: &Conductivity, capacity: f64, melting: Option<&Melting>) -> Self {
         let end = melting.map_or(f64::INFINITY, |melting| melting.solidus);
-        let reference = solid.at(melting.map_or(f64::NEG_INFINITY, |melting| melting.solidus));
+        let reference = melting.map_or(solid.largest(), |melting| solid.at(melting.solidus));
         let mut temperatures: Vec<f64> = solid.within(f64::NEG_INFINITY, end).collect();
         // Below the first point k is constant: one straight segment does for what lies under it.
         let first =
