@@ -12,7 +12,7 @@ use crate::model::integrator::{Schedule, Segment};
 /// Steps taken before the first look at the clock.
 const FIRST_CHUNK: u64 = 4;
 /// Steps between two looks at the clock, the values and the user, at most.
-const LARGEST_CHUNK: u64 = 1 << 14;
+const LARGEST_CHUNK: u64 = 1 << 12;
 /// What a chunk should take: short enough to stop and to report at once.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
 

@@ -163,8 +163,8 @@ mod tests {
             }
             ChosenMethod::of(&problem, Path::Lattice, largest, true).method
         };
-        assert_eq!(chosen(1000, 5e4, true), Method::Euler);
-        assert_eq!(chosen(1000, 5e4, false), Method::Rkl2);
+        assert_eq!(chosen(1000, 1e4, true), Method::Euler);
+        assert_eq!(chosen(1000, 1e4, false), Method::Rkl2);
         assert_eq!(chosen(200, 1e7, true), Method::Rkl2);
     }
 }
