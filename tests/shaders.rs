@@ -107,7 +107,7 @@ fn lattices() -> Vec<StencilSource> {
     let mut all = Vec::new();
     for precision in Precision::ALL {
         for walls in WallTerms::ALL {
-            for bits in 0..16_u32 {
+            for bits in 0..64_u32 {
                 let bit = |n: u32| bits >> n & 1 == 1;
                 let neighbors: isize = if bit(0) { 200 } else { 4 };
                 let entry = |k: isize| ([k % 5 - 2, k / 5 - 1, 0], 0.1 / (1 + k / 2) as f64);
@@ -119,6 +119,8 @@ fn lattices() -> Vec<StencilSource> {
                     mirrors: 0b1000,
                     entries: (0..neighbors).map(entry).collect(),
                     is_split: bit(3),
+                    kinds: bit(4),
+                    rows: bit(5),
                     held: bit(2),
                     walls,
                     precision,

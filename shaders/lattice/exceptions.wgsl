@@ -1,5 +1,5 @@
-// The sites where more than the stencil acts: each has its number, its slot in `wall` and its place
-// among the held ones, or NO_SLOT.
+// The sites where more than the stencil acts: each has its number, its slot in `wall`, its place among the
+// held ones and the first element of its row, or NO_SLOT.
 
 fn has_wall(row: u32) -> bool {
     return exception[row].y != NO_SLOT;

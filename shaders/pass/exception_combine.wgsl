@@ -13,7 +13,7 @@ fn exception_combine(
     }
     let site = exception[row].x;
     let own = own_value(site);
-    let sum = stencil_sum(site, own);
+    let sum = row_sum(row, site, own);
     let rate = sum + wall_rate(row, collapsed(own));
     after[site - part.first_site] = combined(own, select(rate, real(0.0), is_held(row)));
     if is_held(row) {

@@ -11,7 +11,7 @@ fn exception_rate(
     if row < part.end_exception {
         let site = exception[row].x;
         let own = own_value(site);
-        let rate = stencil_sum(site, own) + wall_rate(row, collapsed(own));
+        let rate = row_sum(row, site, own) + wall_rate(row, collapsed(own));
         after[site - part.first_site] = exactly(select(rate, real(0.0), is_held(row)));
     }
 }

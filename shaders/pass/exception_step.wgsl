@@ -13,7 +13,7 @@ fn exception_step(
     let site = exception[row].x;
     let own = own_value(site);
     let step = step_size.over_reference;
-    let sum = stencil_sum(site, own);
+    let sum = row_sum(row, site, own);
     let rate = sum + wall_rate(row, collapsed(own));
     record_inflow(row, collapsed(own), step);
     if is_held(row) {

@@ -9,6 +9,6 @@ fn lattice_combine(
     let site = part.first_site + flat_index(group, groups, lane);
     if site < part.end_site {
         let own = own_value(site);
-        after[site - part.first_site] = combined(own, stencil_sum(site, own));
+        after[site - part.first_site] = combined(own, site_sum(site, own));
     }
 }

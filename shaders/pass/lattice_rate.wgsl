@@ -8,6 +8,6 @@ fn lattice_rate(
 ) {
     let site = part.first_site + flat_index(group, groups, lane);
     if site < part.end_site {
-        after[site - part.first_site] = exactly(stencil_sum(site, own_value(site)));
+        after[site - part.first_site] = exactly(site_sum(site, own_value(site)));
     }
 }

@@ -9,7 +9,7 @@ fn lattice_step(
     let site = part.first_site + flat_index(group, groups, lane);
     if site < part.end_site {
         let own = own_value(site);
-        let increment = step_size.over_reference * stencil_sum(site, own);
+        let increment = step_size.over_reference * site_sum(site, own);
         after[site - part.first_site] = advanced(own, increment);
     }
 }

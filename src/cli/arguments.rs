@@ -62,8 +62,8 @@ pub(super) struct WayArguments {
     /// f32; `auto` is f32 where every step adds more than f32 loses, else compensated, else f64
     #[arg(long, value_enum, default_value = "auto")]
     precision: PrecisionFlag,
-    /// How neighbours are known: `lattice` takes a stencil wherever it holds, and on the CPU stored
-    /// rows elsewhere; `list` stored rows alone; `matrix-free`, on a GPU, searches for neighbours in
+    /// How neighbours are known: `lattice` takes a stencil wherever it holds, and stored rows
+    /// elsewhere; `list` stored rows alone; `matrix-free`, on a GPU, searches for neighbours in
     /// every step and stores none; `auto` the fastest that there is memory for
     #[arg(long, value_enum, default_value = "auto")]
     path: PathFlag,

@@ -60,7 +60,7 @@ pub enum PathWish {
     Auto,
     /// The list, whatever the scene.
     List,
-    /// The stencil wherever it holds, be it lattice or, on the CPU, mixed, or nothing.
+    /// The stencil wherever it holds, be it lattice or mixed, or nothing.
     Lattice,
     /// A search for neighbours in every sum, on a GPU, whatever the scene.
     MatrixFree,
@@ -108,8 +108,7 @@ impl PathChoice {
             (PathWish::MatrixFree, MachineKind::Cpu) => return Err(SolverError::MatrixFreeOnCpu),
             (_, machine) => match (LatticeScene::of(problem), machine) {
                 (Ok(scene), _) => Ok(Self::Lattice(Arc::new(scene))),
-                (Err(why), MachineKind::Cpu) => Self::mixed(problem, wish, why),
-                (Err(why), MachineKind::Gpu(_)) => Err(why),
+                (Err(why), machine) => Self::mixed(problem, machine, wish, why),
             },
         };
         match (found, wish) {
@@ -130,8 +129,21 @@ impl PathChoice {
     }
 
     /// The mixed path, if it can be had, and pays or is wished for; `why` not the lattice alone.
-    fn mixed(problem: &Problem, wish: PathWish, why: &'static str) -> Result<Self, &'static str> {
+    fn mixed(
+        problem: &Problem,
+        machine: MachineKind,
+        wish: PathWish,
+        why: &'static str,
+    ) -> Result<Self, &'static str> {
         let scene = MixedScene::of(problem)?;
+        if machine != MachineKind::Cpu {
+            if !gpu::lattice::are_few(&scene) {
+                return Err("particles have more diffusivities than a device tells apart");
+            }
+            if !problem.has_one_curve() {
+                return Err("several materials, of which one melts or conducts as its temperature");
+            }
+        }
         if wish == PathWish::Lattice || pays(&scene, problem.particles.len()) {
             return Ok(Self::Mixed(Arc::new(scene), why));
         }
@@ -281,6 +293,7 @@ impl Plan {
     pub fn passes(&self, problem: &Problem) -> Vec<&'static str> {
         let mut passes = match (self.path, self.machine) {
             (Path::Lattice, _) => vec!["stencil"],
+            // Rows come from the host, whatever the machine.
             (Path::Mixed, _) => vec!["stencil", "rows"],
             (Path::List, MachineKind::Cpu) => vec!["sort", "survey", "rows"],
             (Path::List, MachineKind::Gpu(_)) => {
@@ -312,8 +325,9 @@ impl Plan {
     fn step_passes(&self) -> Vec<&'static str> {
         if let MachineKind::Gpu(precision) = self.machine {
             let mut passes = match self.path {
-                Path::List | Path::Mixed | Path::MatrixFree => vec!["step"],
-                Path::Lattice => gpu::lattice::step_passes(self.needs),
+                Path::List | Path::MatrixFree => vec!["step"],
+                Path::Lattice => gpu::lattice::step_passes(self.needs, false),
+                Path::Mixed => gpu::lattice::step_passes(self.needs, true),
             };
             passes.extend(gpu::passes::looks(precision));
             return passes;
@@ -345,7 +359,9 @@ impl Plan {
             }
             Path::Lattice | Path::Mixed => {
                 let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
-                let by_site = 3 * state + if self.reorders { 4 } else { 0 };
+                // A device has a byte for the kind of each site.
+                let kind = u64::from(self.path == Path::Mixed && self.machine != MachineKind::Cpu);
+                let by_site = 3 * state + kind + if self.reorders { 4 } else { 0 };
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         };

@@ -114,9 +114,19 @@ pub fn run(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, RunError> {
     let problem = &scene.problem;
-    let choice = PathChoice::new(problem, options.machine.kind(), options.path)?;
-    let solve = Solve { scene, options, progress };
-    start(problem, options.machine, choice, options.allow_unstable, solve)?
+    let machine = options.machine;
+    let choice = PathChoice::new(problem, machine.kind(), options.path)?;
+    // Nobody has asked for a lattice with stored rows: where a device has no room for those, it has a list in chunks.
+    let may_change = options.path == PathWish::Auto && choice.path() == Path::Mixed;
+    let solve = Solve { scene, options, progress: &mut *progress };
+    match start(problem, machine, choice, options.allow_unstable, solve) {
+        Err(error) if may_change && error.is_lack_of_room() => {
+            let choice = PathChoice::List(Some("the device has no room for the stored rows"));
+            let solve = Solve { scene, options, progress };
+            start(problem, machine, choice, options.allow_unstable, solve)?
+        }
+        done => done?,
+    }
 }
 
 /// What is done with a scene that is ready on a machine, whatever the backend.
@@ -147,6 +157,11 @@ pub fn start<D: Driver>(
         (Machine::Gpu { device, precision }, Some(Operator::Lattice { scene: lattice, walls })) => {
             let (options, dt) = (GpuOptions::new(*precision), prepared.step.dt);
             let backend = GpuBackend::lattice(problem, &lattice, walls, dt, device, options)?;
+            driver.drive(prepared, backend)
+        }
+        (Machine::Gpu { device, precision }, Some(Operator::Mixed { scene: mixed, rows })) => {
+            let (options, dt) = (GpuOptions::new(*precision), prepared.step.dt);
+            let backend = GpuBackend::mixed(problem, &mixed, &rows, dt, device, options)?;
             driver.drive(prepared, backend)
         }
         (Machine::Gpu { device, precision }, _) => {

@@ -45,6 +45,18 @@ impl RowBlock {
         self.start.push(self.index.len() as u32);
     }
 
+    /// Ranks of the neighbours of a row, and their weights.
+    #[inline(always)]
+    pub(super) fn entries(&self, row: usize) -> (&[u32], &[f64]) {
+        let range = self.start[row] as usize..self.start[row + 1] as usize;
+        (&self.index[range.clone()], &self.weight[range])
+    }
+
+    /// The same of every row.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
+        (0..self.len()).map(|row| self.entries(row))
+    }
+
     pub(super) fn append(&mut self, other: &Self) {
         let base = self.index.len() as u32;
         self.start.extend(other.start[1..].iter().map(|start| base + start));
@@ -67,8 +79,7 @@ impl RowBlock {
         reason = "checking the bounds of every neighbour costs a tenth to a fifth of the speed"
     )]
     pub(super) fn rate<const FUSED: bool>(&self, row: usize, own: f64, state: &[f64]) -> f64 {
-        let range = self.start[row] as usize..self.start[row + 1] as usize;
-        let (index, weight) = (&self.index[range.clone()], &self.weight[range]);
+        let (index, weight) = self.entries(row);
         let mut sum = [0.0_f64; 4];
         let (index, weight) = (index.chunks_exact(4), weight.chunks_exact(4));
         // The rest comes last, though it is known first: reading the end of a row before its

@@ -100,6 +100,21 @@ impl SomeRows {
         (survey, rows)
     }
 
+    /// Ranks of the stored rows, ascending.
+    pub fn rank(&self) -> &[u32] {
+        &self.rank
+    }
+
+    /// The neighbours of every stored row with their weights (1/s), in the order of [`Self::rank`]; those of a
+    /// held particle are the free ones alone.
+    pub fn entries(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
+        let free = self.blocks.iter().flat_map(RowBlock::rows);
+        free.zip(&self.rank).map(|(free, rank)| match self.held_rank.binary_search(rank) {
+            Ok(row) => self.held.entries(row),
+            Err(_) => free,
+        })
+    }
+
     /// Ranks of the held particles, ascending.
     pub fn held_rank(&self) -> &[u32] {
         &self.held_rank

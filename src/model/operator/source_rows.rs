@@ -176,11 +176,13 @@ impl SourceRows {
         }
     }
 
-    /// The same rows for a stencil that has the diagonals of walls already.
-    pub fn beside_stencil(mut self) -> Self {
-        match self.linear.is_empty() {
-            true => self.diagonal.fill(0.0),
-            false => self.diagonal.clone_from(&self.linear),
+    /// The same rows for a stencil that has the diagonals of walls already, but at the ranks `stored`
+    /// (ascending), whose rows are not the stencil's.
+    pub fn beside_stencil(mut self, stored: &[u32]) -> Self {
+        for (row, (rank, diagonal)) in self.rank.iter().zip(&mut self.diagonal).enumerate() {
+            if stored.binary_search(rank).is_err() {
+                *diagonal = self.linear.get(row).copied().unwrap_or(0.0);
+            }
         }
         self
     }

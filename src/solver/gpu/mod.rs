@@ -25,12 +25,12 @@ use std::collections::BTreeSet;
 use super::plan::Needs;
 use super::{Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
-use crate::model::lattice::LatticeScene;
+use crate::model::lattice::{ABSENT, LatticeScene, MixedScene};
 use crate::model::neighbors::CellLayout;
-use crate::model::operator::SourceRows;
-use crate::model::{HeatCurve, Problem};
+use crate::model::operator::{SomeRows, SourceRows};
+use crate::model::{HeatCurve, Material, Problem};
 
-use lattice::Lattice;
+use lattice::{Beside, Lattice};
 use list::List;
 use operator::Operator;
 pub use passes::Choices;
@@ -91,7 +91,7 @@ impl AsRef<[f64]> for GpuField {
 pub struct GpuBackend {
     device: Device,
     operator: Operator,
-    /// Which particle is in each place of the state; `None` where that is their own order.
+    /// Which particle is in each place of the state, or [`ABSENT`]; `None` where that is their own order.
     order: Option<Vec<u32>>,
     /// Where in the exchange each held particle's begins, in two words, and its volume.
     held: Vec<(usize, f64)>,
@@ -164,7 +164,7 @@ impl GpuBackend {
         let bytes = options.most_bytes(device);
         let capacities = order.iter().map(|&p| problem.capacity(p as usize));
         let scene = VectorScene {
-            exceptions: lattice::exceptions(&rows, walls.slot_rows()),
+            exceptions: lattice::exceptions(&rows, walls.slot_rows(), &[]),
             capacities: Capacities::of(capacities),
         };
         let initial: Vec<f64> = order.iter().map(|&p| problem.initial[p as usize]).collect();
@@ -208,44 +208,82 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
+        let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
+        let step = reference_step(problem, dt, problem.materials[material].diffusivity());
+        let held = scene.held_sites(&problem.held);
+        let among_held = lattice::rates_among_held(problem, scene, &held);
+        let walls = walls.beside_stencil(&[]);
+        let beside = Beside { held: &held, walls: &walls, mixed: None };
+        Self::on_sites(problem, scene, beside, &among_held, step, device, options)
+    }
+
+    /// Puts `problem`, which is a lattice in part as `scene` says and has `rows` elsewhere, on `device`; `dt` (s)
+    /// is the step that the run is expected to take, though any may be taken.
+    ///
+    /// # Errors
+    /// A device that fails, or that cannot hold it.
+    pub fn mixed(
+        problem: &Problem,
+        scene: &MixedScene,
+        rows: &SomeRows,
+        dt: f64,
+        device: &Device,
+        options: GpuOptions,
+    ) -> Result<Self, SolverError> {
+        let diffusivity = problem.materials.iter().map(Material::diffusivity).fold(0.0, f64::max);
+        let step = reference_step(problem, dt, diffusivity);
+        let held = rows.held_rank();
+        let walls = rows.sources().clone().beside_stencil(rows.rank());
+        let beside = Beside { held, walls: &walls, mixed: Some((scene, rows)) };
+        // The rows of held particles are without what these give each other.
+        let among_held = vec![0.0; held.len()];
+        Self::on_sites(problem, &scene.lattice, beside, &among_held, step, device, options)
+    }
+
+    /// Puts a lattice on `device`, whose held particles give each other `among_held` (1/s x value) and whose
+    /// weights are relative to the step `reference` (s).
+    fn on_sites(
+        problem: &Problem,
+        scene: &LatticeScene,
+        beside: Beside<'_>,
+        among_held: &[f64],
+        reference: f64,
+        device: &Device,
+        options: GpuOptions,
+    ) -> Result<Self, SolverError> {
         if !problem.has_one_curve() {
             return Err(SolverError::SeveralCurves);
         }
         let real = options.precision.real();
         device.require(real)?;
-        let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
-        let step = reference_step(problem, dt, problem.materials[material].diffusivity());
-        // The stencil has the diagonals of walls.
-        let walls = walls.beside_stencil();
-        let held = scene.held_sites(&problem.held);
-        let lattice = Lattice::new(device, scene, &held, &walls, step, options)?;
-        let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
-        let of_vectors = VectorScene {
-            exceptions: lattice::exceptions(&held, walls.rank()),
-            capacities: Capacities::Same(capacity),
-        };
+        let Beside { held, walls, .. } = beside;
+        let operator =
+            Operator::Lattice(Box::new(Lattice::new(device, scene, beside, reference, options)?));
+        let capacity = |site: u32| problem.capacity(scene.particle(site as usize));
         let exchange = match held.is_empty() {
             true => None,
             false => {
-                let contents = lattice::held_contents(problem, scene, &held, step);
+                let contents = lattice::held_contents(among_held, reference);
                 Some(device.storage_with("exchange", &real.to_bytes(&contents))?)
             }
         };
-        let slots = WallSlots::new(device, real, walls, step)?;
-        let operator = Operator::Lattice(lattice);
-        let initial: Cow<'_, [f64]> = match scene.order {
-            None => Cow::Borrowed(&problem.initial),
-            Some(_) => Cow::Owned(scene.by_site(&problem.initial)),
-        };
+        let order = scene.order.as_deref();
+        // What has a curve has an enthalpy where there is no particle as well.
+        let nothing = if problem.has_curves() { problem.initial[0] } else { 0.0 };
+        let initial = by_place(order, &problem.initial, nothing);
+        let slots = WallSlots::new(device, real, walls.clone(), reference)?;
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
             device: device.clone(),
             operator,
             order: scene.order.clone(),
-            held: (0..held.len()).map(|k| (4 * k, capacity)).collect(),
-            reference_step: step,
+            held: (0..).zip(held).map(|(k, &site)| (4 * k, capacity(site))).collect(),
+            reference_step: reference,
             saved: None,
-            scene: of_vectors,
+            scene: VectorScene {
+                exceptions: lattice::exceptions(held, walls.rank(), &[]),
+                capacities: Capacities::of_sites(problem, order),
+            },
             tools: None,
         })
     }
@@ -293,12 +331,23 @@ impl GpuBackend {
         let Some(order) = &self.order else {
             return Ok(GpuField(values));
         };
-        let mut by_particle = vec![0.0; values.len()];
-        for (&particle, value) in order.iter().zip(values) {
-            by_particle[particle as usize] = value;
-        }
+        let present = || order.iter().zip(&values).filter(|(particle, _)| **particle != ABSENT);
+        let mut by_particle = vec![0.0; present().count()];
+        present().for_each(|(&particle, &value)| by_particle[particle as usize] = value);
         Ok(GpuField(by_particle))
     }
+}
+
+/// What each particle has, by place; `nothing` where there is none.
+fn by_place<'a, T: Copy>(order: Option<&[u32]>, of: &'a [T], nothing: T) -> Cow<'a, [T]> {
+    let Some(order) = order else {
+        return Cow::Borrowed(of);
+    };
+    let at = |&particle: &u32| match particle {
+        ABSENT => nothing,
+        particle => of[particle as usize],
+    };
+    order.iter().map(at).collect()
 }
 
 /// What of the shaders a scene uses.

@@ -17,7 +17,7 @@ pub(super) enum Operator {
     /// Neighbours that are searched for in every sum.
     Search { search: Box<Search>, choices: Choices },
     /// The stencil of a lattice.
-    Lattice(Lattice),
+    Lattice(Box<Lattice>),
 }
 
 /// What the passes over all particles make.

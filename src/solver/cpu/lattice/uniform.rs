@@ -35,7 +35,7 @@ impl Uniform {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.potentials(&problem.initial));
         let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
-        Self { scene, capacity, held, among_held, walls: walls.beside_stencil() }
+        Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]) }
     }
 
     /// Whether a held particle or one with a source is among `sites`.

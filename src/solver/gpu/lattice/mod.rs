@@ -1,6 +1,9 @@
 //! Lattices on the device: no list, no positions. A step is one dispatch over all sites, and where
-//! particles are held or walls impose something, a small second one over those sites alone.
+//! particles are held, walls impose something or the stencil does not hold, a second one over those sites
+//! alone.
 
+mod kinds;
+mod rows;
 mod source;
 
 use std::ops::Range;
@@ -10,11 +13,14 @@ use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
 use crate::model::Problem;
-use crate::model::lattice::{Edge, End, LatticeScene};
-use crate::model::operator::{FoldNeeds, SourceRows};
+use crate::model::lattice::{Edge, End, LatticeScene, MixedScene};
+use crate::model::operator::{FoldNeeds, SomeRows, SourceRows};
 use crate::solver::Precision;
 use crate::solver::plan::Needs;
 
+use kinds::Kinds;
+pub use kinds::are_few;
+use rows::Rows;
 use source::Sites;
 pub use source::{PART, StencilSource};
 
@@ -27,9 +33,24 @@ pub(super) struct Lattice {
     edge_factor: Buffer,
     /// Sites to each neighbour, with its weight; only where they are not written out.
     entry: Option<Buffer>,
-    /// Site, slot of a wall, and place among the held, of each site where more than the stencil acts;
-    /// only where there is one.
+    /// Only where sites differ.
+    kinds: Option<Kinds>,
+    /// Only where the stencil does not hold everywhere.
+    rows: Option<Rows>,
+    /// Site, slot of a wall, place among the held and first element of the row of each site where more than the
+    /// stencil acts; only where there is one.
     exception: Option<Buffer>,
+}
+
+/// What a lattice has beside its stencil.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside<'a> {
+    /// Held sites, ascending.
+    pub(super) held: &'a [u32],
+    /// What walls add at sites.
+    pub(super) walls: &'a SourceRows,
+    /// Rows where the stencil does not hold; only of a mixed scene.
+    pub(super) mixed: Option<(&'a MixedScene, &'a SomeRows)>,
 }
 
 /// Sites whose values are in one buffer.
@@ -43,17 +64,19 @@ struct Part {
 }
 
 impl Lattice {
-    /// The lattice `scene` with held sites `held` (ascending), and walls that add `walls` at its
-    /// sites; weights are relative to `reference_step` (s).
+    /// The lattice `scene` with what it has beside its stencil; weights are relative to `reference_step` (s).
     pub(super) fn new(
         device: &Device,
         scene: &LatticeScene,
-        held: &[u32],
-        walls: &SourceRows,
+        beside: Beside<'_>,
         reference_step: f64,
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
         let real = options.precision.real();
+        let Beside { held, walls, mixed } = beside;
+        let kinds = mixed.map(|(scene, rows)| Kinds::new(device, scene, rows.rank(), real));
+        let rows = mixed.map(|(_, rows)| Rows::new(device, rows, reference_step, real));
+        let (kinds, rows) = (kinds.transpose()?.flatten(), rows.transpose()?.flatten());
         let value = options.precision.state_bytes();
         let most = options.most_bytes(device) / value;
         let parts = parts(scene, most).map_err(|needed| GpuError::TooLarge {
@@ -70,12 +93,15 @@ impl Lattice {
             mirrors,
             entries: source::entries(scene, reference_step),
             is_split: parts.len() > 1,
+            kinds: kinds.is_some(),
+            rows: rows.is_some(),
             held: !held.is_empty(),
             walls: WallTerms::of(walls),
             precision: options.precision,
             workgroup_size: options.workgroup_size,
         };
-        let exceptions = exceptions(held, walls.rank());
+        let stored = rows.as_ref().map_or(&[][..], |rows| &rows.first);
+        let exceptions = exceptions(held, walls.rank(), stored);
         let exception = match exceptions.is_empty() {
             true => None,
             false => Some(device.storage_with("exceptions", bytemuck::cast_slice(&exceptions))?),
@@ -85,6 +111,8 @@ impl Lattice {
             parts: (0..parts.len()).map(part).collect::<Result<_, _>>()?,
             edge_factor: device.storage_with("ghosts", &real.to_bytes(&edge_factors(scene)))?,
             entry: entry_buffer(device, &source)?,
+            kinds,
+            rows,
             exception,
             source,
         })
@@ -111,11 +139,7 @@ impl Lattice {
         fields: &Fields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
         let mut passes = Vec::new();
-        let sites: &[Sites] = match makes {
-            Makes::Diagonal => &[Sites::All],
-            _ => &[Sites::All, Sites::Exceptions],
-        };
-        for &sites in sites {
+        for &sites in self.source.sites_of(makes) {
             let source = self.source.pass(sites, makes);
             for (k, part) in self.parts.iter().enumerate() {
                 let threads = match sites {
@@ -149,10 +173,14 @@ impl Lattice {
         }
         buffers.extend([&fields.to[k], fields.step_size, &self.edge_factor]);
         buffers.extend(&self.entry);
+        buffers.extend(self.kinds.iter().flat_map(|kinds| [&kinds.kind, &kinds.factor]));
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
-            buffers.extend(fields.exchange);
-            buffers.extend(fields.sources());
+            buffers.extend(self.rows.iter().flat_map(|rows| [&rows.neighbor, &rows.weight]));
+            if makes != Makes::Diagonal {
+                buffers.extend(fields.exchange);
+                buffers.extend(fields.sources());
+            }
         }
         if let Some(combination) = fields.combination {
             buffers.push(combination.factors);
@@ -167,7 +195,9 @@ impl Lattice {
     pub(super) fn bytes(&self) -> u64 {
         let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
         let others = self.entry.iter().chain(&self.exception).chain([&self.edge_factor]);
-        others.map(Buffer::bytes).sum::<u64>() + blocks
+        let kinds = self.kinds.as_ref().map_or(0, Kinds::bytes);
+        let rows = self.rows.as_ref().map_or(0, Rows::bytes);
+        others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows
     }
 }
 
@@ -200,24 +230,23 @@ impl Part {
     }
 }
 
-/// The passes of a step, in order.
-pub fn step_passes(needs: Needs) -> Vec<&'static str> {
+/// The passes of a step, in order, of a scene of which some sites have `rows` of their own or none.
+pub fn step_passes(needs: Needs, rows: bool) -> Vec<&'static str> {
     let mut passes = vec!["lattice_step"];
-    if needs.held || needs.walls >= FoldNeeds::Steady {
+    if rows || needs.held || needs.walls >= FoldNeeds::Steady {
         passes.push("exception_step");
     }
     passes
 }
 
+/// What held particles of a lattice get from each other and from walls, 1/s x value.
+pub(super) fn rates_among_held(problem: &Problem, scene: &LatticeScene, held: &[u32]) -> Vec<f64> {
+    scene.rates_among_held(held, &problem.potentials(&problem.initial))
+}
+
 /// What the exchange of held particles is counted in: for each, what it has given to others, in two
-/// words, and what it gets a reference step from held ones and from walls.
-pub(super) fn held_contents(
-    problem: &Problem,
-    scene: &LatticeScene,
-    held: &[u32],
-    reference_step: f64,
-) -> Vec<f64> {
-    let among_held = scene.rates_among_held(held, &problem.potentials(&problem.initial));
+/// words, and what it gets a reference step (s) at this rate from held ones and from walls.
+pub(super) fn held_contents(among_held: &[f64], reference_step: f64) -> Vec<f64> {
     among_held.iter().flat_map(|rate| [0.0, 0.0, reference_step * rate, 0.0]).collect()
 }
 
@@ -240,17 +269,22 @@ fn parts(scene: &LatticeScene, most: u64) -> Result<Vec<Range<usize>>, u64> {
     Ok((0..count).map(|k| start(k)..start(k + 1)).collect())
 }
 
-/// Site (or row), slot and place among the held of each that has one of these, ascending.
-pub(super) fn exceptions(held: &[u32], walls: &[u32]) -> Vec<[u32; 4]> {
-    let mut list: Vec<[u32; 4]> = Vec::with_capacity(held.len() + walls.len());
-    let held = (0..).zip(held).map(|(place, &site)| [site, NO_SLOT, place, 0]);
-    let walls = (0..).zip(walls).map(|(slot, &site)| [site, slot, NO_SLOT, 0]);
-    let mut all: Vec<[u32; 4]> = held.chain(walls).collect();
+/// Site (or row), slot, place among the held and first element of its stored row of each that has one of
+/// these, ascending.
+pub(super) fn exceptions(held: &[u32], walls: &[u32], stored: &[(u32, u32)]) -> Vec<[u32; 4]> {
+    const NO: u32 = NO_SLOT;
+    let mut list: Vec<[u32; 4]> = Vec::with_capacity(held.len() + walls.len() + stored.len());
+    let held = (0..).zip(held).map(|(place, &site)| [site, NO, place, NO]);
+    let walls = (0..).zip(walls).map(|(slot, &site)| [site, slot, NO, NO]);
+    let stored = stored.iter().map(|&(site, first)| [site, NO, NO, first]);
+    let mut all: Vec<[u32; 4]> = held.chain(walls).chain(stored).collect();
     all.sort_unstable_by_key(|exception| exception[0]);
     for next in all {
         match list.last_mut().filter(|last| last[0] == next[0]) {
             // Absent ones are the largest number.
-            Some(last) => *last = [last[0], last[1].min(next[1]), last[2].min(next[2]), 0],
+            Some(last) => {
+                last.iter_mut().zip(next).for_each(|(last, next)| *last = next.min(*last))
+            }
             None => list.push(next),
         }
     }
@@ -312,9 +346,10 @@ mod tests {
 
     #[test]
     fn a_site_that_is_held_and_walled_is_one_exception() {
-        let found = exceptions(&[3, 7], &[2, 7, 9]);
-        let none = NO_SLOT;
-        let expected = [[2, 0, none, 0], [3, none, 0, 0], [7, 1, 1, 0], [9, 2, none, 0]];
+        let found = exceptions(&[3, 7], &[2, 7, 9], &[(4, 32), (7, 33)]);
+        let no = NO_SLOT;
+        let expected =
+            [[2, 0, no, no], [3, no, 0, no], [4, no, no, 32], [7, 1, 1, 33], [9, 2, no, no]];
         assert_eq!(found, expected);
     }
 }

@@ -7,8 +7,8 @@ use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
-    COMBINATION, NO_SLOT, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, given, read,
-    value, write,
+    COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, given,
+    read, value, write,
 };
 
 /// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
@@ -46,6 +46,10 @@ pub struct StencilSource {
     pub entries: Vec<([isize; 3], f64)>,
     /// Whether the state is in parts.
     pub is_split: bool,
+    /// Whether the stencil has not the same factor everywhere, or some sites have no particle.
+    pub kinds: bool,
+    /// Whether some sites have rows of their own.
+    pub rows: bool,
     /// Whether some particles keep their value.
     pub held: bool,
     /// What walls add to a step.
@@ -71,7 +75,18 @@ impl StencilSource {
         let makes = [Makes::Step, Makes::Rate, Makes::Combination];
         let of = |sites| makes.map(|makes| self.pass(sites, makes));
         let all = [Sites::All, Sites::Exceptions].into_iter().flat_map(of);
-        all.chain([self.pass(Sites::All, Makes::Diagonal)]).collect()
+        let diagonals =
+            self.sites_of(Makes::Diagonal).iter().map(|&s| self.pass(s, Makes::Diagonal));
+        all.chain(diagonals).collect()
+    }
+
+    /// The sites that have passes of their own, in order. Of what acts beside the stencil only stored rows change
+    /// the diagonal here.
+    pub(super) fn sites_of(&self, makes: Makes) -> &'static [Sites] {
+        match makes {
+            Makes::Diagonal if !self.rows => &[Sites::All],
+            _ => &[Sites::All, Sites::Exceptions],
+        }
     }
 
     /// What `real` means in the shaders.
@@ -99,8 +114,12 @@ impl StencilSource {
             bindings.push(read("entry", Element::Real4));
             slots.push("lattice/loops");
         }
+        slots.push(if self.kinds { "lattice/kinds" } else { "lattice/alike" });
+        if self.kinds {
+            bindings.extend([read("kind", Element::U32), read("kind_factor", Element::Real)]);
+        }
         if sites == Sites::Exceptions {
-            slots.extend(self.exceptions(&mut bindings));
+            slots.extend(self.exceptions(makes, &mut bindings));
         }
         if makes == Makes::Combination {
             bindings.push(block("factors", &COMBINATION));
@@ -115,7 +134,8 @@ impl StencilSource {
             (Sites::All, Makes::Rate | Makes::Diagonal) => "lattice_rate",
             (Sites::All, Makes::Combination) => "lattice_combine",
             (Sites::Exceptions, Makes::Step) => "exception_step",
-            (Sites::Exceptions, Makes::Rate | Makes::Diagonal) => "exception_rate",
+            (Sites::Exceptions, Makes::Rate) => "exception_rate",
+            (Sites::Exceptions, Makes::Diagonal) => "exception_diagonal",
             (Sites::Exceptions, Makes::Combination) => "exception_combine",
         };
         PassSource {
@@ -130,9 +150,19 @@ impl StencilSource {
     }
 
     /// The slots of exceptions; their buffers go to `bindings`.
-    fn exceptions(&self, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
+    fn exceptions(&self, makes: Makes, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
         bindings.push(read("exception", Element::U32x4));
         let mut slots = vec!["lattice/exceptions"];
+        if self.rows {
+            bindings
+                .extend([read("row_neighbor", Element::U32), read("row_weight", Element::Real)]);
+            slots.push("lattice/some_rows");
+        } else {
+            slots.push("lattice/no_rows");
+        }
+        if makes == Makes::Diagonal {
+            return slots;
+        }
         if self.held {
             bindings.push(write("held", Element::Real4));
             slots.push("lattice/some_held");
@@ -159,6 +189,7 @@ impl StencilSource {
             ("PERIODIC_Z", Constant::Flag(self.periodic[2])),
             ("MIRRORS", Constant::Count(self.mirrors)),
             ("NO_SLOT", Constant::Count(NO_SLOT)),
+            ("SLICE_ROWS", Constant::Count(SLICE_ROWS)),
             ("SOURCE_STEPS", Constant::Count(SOURCE_STEPS)),
         ]
     }

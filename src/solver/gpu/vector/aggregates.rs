@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::passes::{RESTRICTING, prolong, restrict};
 use super::queue::Operation;
-use super::{GpuVector, Operations};
+use super::{GpuVector, Operations, by_place};
 use crate::gpu::{Buffer, Device, GpuError};
 
 /// Which particles belong together, by part of a vector.
@@ -65,10 +65,7 @@ impl Operations<'_> {
         of: &[u32],
         count: usize,
     ) -> Result<(), GpuError> {
-        let by_place: Vec<u32> = match self.order {
-            Some(order) => order.iter().map(|&particle| of[particle as usize]).collect(),
-            None => of.to_vec(),
-        };
+        let by_place = by_place(self.order, of, u32::MAX);
         let real = self.precision().real().size() as u64;
         let of_part =
             |places: Range<usize>| OfPart::new(self.device, &by_place[places], count, real);

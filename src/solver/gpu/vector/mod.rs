@@ -16,11 +16,12 @@ mod reductions;
 
 use std::sync::{Arc, Weak};
 
-use super::GpuBackend;
 use super::operator::Operator;
 use super::passes::{COMBINATION, NO_SLOT};
 use super::steps::Steps;
+use super::{GpuBackend, by_place};
 use crate::gpu::{Buffer, Device, GpuError};
+use crate::model::Problem;
 use crate::solver::Precision;
 
 use aggregates::Aggregates;
@@ -65,6 +66,15 @@ pub(super) enum Capacities {
 }
 
 impl Capacities {
+    /// Those of the particles at sites, which may have none.
+    pub(super) fn of_sites(problem: &Problem, order: Option<&[u32]>) -> Self {
+        let particles = 0..problem.particles.len();
+        match Self::of(particles.map(|particle| problem.capacity(particle))) {
+            Self::Same(capacity) => Self::Same(capacity),
+            Self::Each(capacities) => Self::Each(by_place(order, &capacities, 0.0).into_owned()),
+        }
+    }
+
     /// Those of particles in the order of the device.
     pub(super) fn of(volume: impl Iterator<Item = f64> + Clone) -> Self {
         let first = volume.clone().next().unwrap_or(0.0);

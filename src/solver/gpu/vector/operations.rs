@@ -5,6 +5,7 @@ use super::queue::Operation;
 use super::{GpuVector, Tools, VectorScene};
 use crate::gpu::{Device, GpuError};
 use crate::solver::Precision;
+use crate::solver::gpu::by_place;
 use crate::solver::gpu::operator::{Combination, Fields, Makes, Operator};
 use crate::solver::gpu::passes::{COMBINATION, NO_SLOT};
 use crate::solver::gpu::steps::Steps;
@@ -35,10 +36,7 @@ impl Operations<'_> {
         values: &[f64],
         out: &mut GpuVector,
     ) -> Result<(), GpuError> {
-        let mut by_place: Vec<f64> = match self.order {
-            Some(order) => order.iter().map(|&particle| values[particle as usize]).collect(),
-            None => values.to_vec(),
-        };
+        let mut by_place = by_place(self.order, values, 0.0).into_owned();
         let held = self.scene.exceptions.iter().filter(|exception| exception[2] != NO_SLOT);
         held.for_each(|exception| by_place[exception[0] as usize] = 0.0);
         let parts = self.operator.parts(by_place.len());
