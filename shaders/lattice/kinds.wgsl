@@ -6,6 +6,6 @@ fn site_sum(site: u32, own: Value) -> real {
     if of_site == 0u {
         return real(0.0);
     }
-    return kind_factor[of_site] * stencil_sum(site, own);
+    return times(kind_factor[of_site], stencil_sum(site, own));
 }
 

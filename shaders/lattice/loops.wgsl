@@ -7,7 +7,7 @@ fn interior_sum(site: u32, own: Value) -> real {
         let step = vec3<i32>(entry[k].xyz);
         let further = u32((step.z * i32(NY) + step.y) * i32(NX) + step.x);
         let differences = (value_at(site - further) - own) + (value_at(site + further) - own);
-        sum += entry[k].w * collapsed(differences);
+        sum += times(entry_weight[k], collapsed(differences));
     }
     return sum;
 }
@@ -16,7 +16,8 @@ fn edge_sum(at: vec3<u32>, own: Value) -> real {
     var sum = real(0.0);
     for (var k = 0u; k < arrayLength(&entry); k++) {
         let step = vec3<i32>(entry[k].xyz);
-        sum += entry[k].w * collapsed(edge_difference(at, -step, own) + edge_difference(at, step, own));
+        let differences = edge_difference(at, -step, own) + edge_difference(at, step, own);
+        sum += times(entry_weight[k], collapsed(differences));
     }
     return sum;
 }

@@ -9,7 +9,7 @@ fn row_sum(row: u32, site: u32, own: Value) -> real {
     let end = first + (row_neighbor[first] + 1u) * SLICE_ROWS;
     var sum = real(0.0);
     for (var i = first + SLICE_ROWS; i < end; i += SLICE_ROWS) {
-        sum += row_weight[i] * collapsed(value_at(row_neighbor[i]) - own);
+        sum += times(row_weight[i], collapsed(value_at(row_neighbor[i]) - own));
     }
     return sum;
 }

@@ -19,6 +19,11 @@ fn plus(value: Value, other: Value) -> Value {
     return value + other;
 }
 
+// A weight, which has the words of a value, times a number.
+fn times(weight: Value, number: real) -> real {
+    return weight * number;
+}
+
 fn advanced(value: Value, increment: real) -> Value {
     return value + increment;
 }

@@ -22,6 +22,11 @@ fn plus(value: Value, other: Value) -> Value {
     return accumulated(accumulated(exactly(value.x), other.x), value.y + other.y);
 }
 
+// A weight, which has the words of a value, times a number. Compilers would add up the words first.
+fn times(weight: Value, number: real) -> real {
+    return opaque(weight.x * number) + weight.y * number;
+}
+
 fn advanced(value: Value, increment: real) -> Value {
     return accumulated(value, increment);
 }

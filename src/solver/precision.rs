@@ -68,11 +68,14 @@ impl Precision {
         if self.words() == 1 {
             return self.real().to_bytes(values);
         }
-        let words = |&value: &f64| {
-            let first = f64::from(value as f32);
-            [first, value - first]
-        };
-        self.real().to_bytes(&values.iter().flat_map(words).collect::<Vec<f64>>())
+        let words = values.iter().flat_map(|&value| self.state_words(value));
+        self.real().to_bytes(&words.collect::<Vec<f64>>())
+    }
+
+    /// The words of a state's value.
+    pub(super) fn state_words(self, value: f64) -> impl Iterator<Item = f64> {
+        let first = if self.words() == 1 { value } else { f64::from(value as f32) };
+        [first, value - first].into_iter().take(self.words())
     }
 
     /// The inverse of [`Precision::state_to_bytes`].

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use crate::gpu::{Buffer, Device, GpuError, Real};
+use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::lattice::MixedScene;
+use crate::solver::Precision;
 
 /// Different factors that a byte can name, beside the kind of what the stencil does not write.
 const MOST: usize = 255;
@@ -23,7 +24,7 @@ impl Kinds {
         device: &Device,
         scene: &MixedScene,
         stored: &[u32],
-        real: Real,
+        precision: Precision,
     ) -> Result<Option<Self>, GpuError> {
         let factors = factors(scene);
         if scene.absent.is_empty() && factors == [1.0] {
@@ -33,7 +34,8 @@ impl Kinds {
         let of_kinds: Vec<f64> = std::iter::once(0.0).chain(factors).collect();
         Ok(Some(Self {
             kind: device.storage_with("kinds of sites", &kinds)?,
-            factor: device.storage_with("factors of kinds", &real.to_bytes(&of_kinds))?,
+            factor: device
+                .storage_with("factors of kinds", &precision.state_to_bytes(&of_kinds))?,
         }))
     }
 

@@ -31,8 +31,8 @@ pub(super) struct Lattice {
     parts: Vec<Part>,
     /// Factors of ghosts, by end and layer.
     edge_factor: Buffer,
-    /// Sites to each neighbour, with its weight; only where they are not written out.
-    entry: Option<Buffer>,
+    /// Sites to each neighbour, and its weight; only where they are not written out.
+    entry: Option<[Buffer; 2]>,
     /// Only where sites differ.
     kinds: Option<Kinds>,
     /// Only where the stencil does not hold everywhere.
@@ -74,8 +74,10 @@ impl Lattice {
     ) -> Result<Self, GpuError> {
         let real = options.precision.real();
         let Beside { held, walls, mixed } = beside;
-        let kinds = mixed.map(|(scene, rows)| Kinds::new(device, scene, rows.rank(), real));
-        let rows = mixed.map(|(_, rows)| Rows::new(device, rows, reference_step, real));
+        let kinds =
+            mixed.map(|(scene, rows)| Kinds::new(device, scene, rows.rank(), options.precision));
+        let rows =
+            mixed.map(|(_, rows)| Rows::new(device, rows, reference_step, options.precision));
         let (kinds, rows) = (kinds.transpose()?.flatten(), rows.transpose()?.flatten());
         let value = options.precision.state_bytes();
         let most = options.most_bytes(device) / value;
@@ -110,7 +112,7 @@ impl Lattice {
         Ok(Self {
             parts: (0..parts.len()).map(part).collect::<Result<_, _>>()?,
             edge_factor: device.storage_with("ghosts", &real.to_bytes(&edge_factors(scene)))?,
-            entry: entry_buffer(device, &source)?,
+            entry: entry_buffers(device, &source)?,
             kinds,
             rows,
             exception,
@@ -172,7 +174,7 @@ impl Lattice {
             }
         }
         buffers.extend([&fields.to[k], fields.step_size, &self.edge_factor]);
-        buffers.extend(&self.entry);
+        buffers.extend(self.entry.iter().flatten());
         buffers.extend(self.kinds.iter().flat_map(|kinds| [&kinds.kind, &kinds.factor]));
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
@@ -194,7 +196,7 @@ impl Lattice {
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
         let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
-        let others = self.entry.iter().chain(&self.exception).chain([&self.edge_factor]);
+        let others = self.entry.iter().flatten().chain(&self.exception).chain([&self.edge_factor]);
         let kinds = self.kinds.as_ref().map_or(0, Kinds::bytes);
         let rows = self.rows.as_ref().map_or(0, Rows::bytes);
         others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows
@@ -305,15 +307,20 @@ fn edge_factors(scene: &LatticeScene) -> Vec<f64> {
     scene.edges.iter().flat_map(of_edge).flatten().collect()
 }
 
-/// Sites along x, y and z to each neighbour on one side, and its weight, where the shaders read them.
-fn entry_buffer(device: &Device, source: &StencilSource) -> Result<Option<Buffer>, GpuError> {
+/// Sites along x, y and z to each neighbour on one side, and their weights, where the shaders read them.
+fn entry_buffers(device: &Device, source: &StencilSource) -> Result<Option<[Buffer; 2]>, GpuError> {
     if !source.is_loop() {
         return Ok(None);
     }
-    let entry =
-        |([x, y, z], weight): &([isize; 3], f64)| [*x as f64, *y as f64, *z as f64, *weight];
-    let contents: Vec<f64> = source::one_sided(&source.entries).flat_map(entry).collect();
-    Ok(Some(device.storage_with("stencil", &source.real().to_bytes(&contents))?))
+    let entries = || source::one_sided(&source.entries);
+    let steps = |([x, y, z], _): &([isize; 3], f64)| [*x, *y, *z, 0].map(|step| step as i32);
+    let steps: Vec<i32> = entries().flat_map(steps).collect();
+    let weights: Vec<f64> = entries().map(|(_, weight)| *weight).collect();
+    let weights = source.precision.state_to_bytes(&weights);
+    Ok(Some([
+        device.storage_with("stencil", bytemuck::cast_slice(&steps))?,
+        device.storage_with("weights of the stencil", &weights)?,
+    ]))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Stored rows of sites that the stencil does not describe, on the device.
 
-use crate::gpu::{Buffer, Device, GpuError, Real};
+use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::operator::SomeRows;
+use crate::solver::Precision;
 use crate::solver::gpu::passes::SLICE_ROWS;
 
 /// Neighbours and weights in slices of [`SLICE_ROWS`] rows: element k of a row sits as many elements after
@@ -20,7 +21,7 @@ impl Rows {
         device: &Device,
         rows: &SomeRows,
         reference_step: f64,
-        real: Real,
+        precision: Precision,
     ) -> Result<Option<Self>, GpuError> {
         let entries: Vec<(&[u32], &[f64])> = rows.entries().collect();
         if entries.is_empty() {
@@ -34,8 +35,8 @@ impl Rows {
             let longest = slice.iter().map(|(neighbors, _)| neighbors.len()).max().unwrap_or(0);
             let end = start + (1 + longest) * lanes;
             if u32::try_from(end).is_err() {
-                let needed = end as u64 * (4 + real.size() as u64);
-                let available = u64::from(u32::MAX) * (4 + real.size() as u64);
+                let needed = end as u64 * (4 + precision.state_bytes());
+                let available = u64::from(u32::MAX) * (4 + precision.state_bytes());
                 let what = "stored rows of a lattice".to_owned();
                 return Err(GpuError::TooLarge { what, needed, available });
             }
@@ -52,7 +53,7 @@ impl Rows {
         }
         Ok(Some(Self {
             neighbor: device.storage_with("neighbours of rows", bytemuck::cast_slice(&neighbor))?,
-            weight: device.storage_with("weights of rows", &real.to_bytes(&weight))?,
+            weight: device.storage_with("weights of rows", &precision.state_to_bytes(&weight))?,
             first: rows.rank().iter().copied().zip(first).collect(),
         }))
     }

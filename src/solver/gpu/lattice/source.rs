@@ -111,12 +111,14 @@ impl StencilSource {
         let mut slots = arithmetic(self.precision).to_vec();
         slots.extend([state, "lattice/site"]);
         if self.is_loop() {
-            bindings.push(read("entry", Element::Real4));
+            let weight = read("entry_weight", value(self.precision));
+            bindings.extend([read("entry", Element::U32x4), weight]);
             slots.push("lattice/loops");
         }
         slots.push(if self.kinds { "lattice/kinds" } else { "lattice/alike" });
         if self.kinds {
-            bindings.extend([read("kind", Element::U32), read("kind_factor", Element::Real)]);
+            bindings
+                .extend([read("kind", Element::U32), read("kind_factor", value(self.precision))]);
         }
         if sites == Sites::Exceptions {
             slots.extend(self.exceptions(makes, &mut bindings));
@@ -154,8 +156,10 @@ impl StencilSource {
         bindings.push(read("exception", Element::U32x4));
         let mut slots = vec!["lattice/exceptions"];
         if self.rows {
-            bindings
-                .extend([read("row_neighbor", Element::U32), read("row_weight", Element::Real)]);
+            bindings.extend([
+                read("row_neighbor", Element::U32),
+                read("row_weight", value(self.precision)),
+            ]);
             slots.push("lattice/some_rows");
         } else {
             slots.push("lattice/no_rows");
@@ -231,9 +235,14 @@ impl StencilSource {
     /// pairs: what a slope makes of them cancels before anything is rounded.
     fn write_terms(&self, group: &[([isize; 3], f64)], pairs: &[String], text: &mut String) {
         if let Some((_, weight)) = group.first().filter(|_| !pairs.is_empty()) {
-            let weight = self.real().literal(*weight);
+            let words = self.precision.state_words(*weight);
+            let words: Vec<String> = words.map(|word| self.real().literal(word)).collect();
+            let weight = match &words[..] {
+                [word] => word.clone(),
+                words => format!("Value({})", words.join(", ")),
+            };
             // Writing to a String cannot fail.
-            let _ = writeln!(text, "    sum += {weight} * collapsed({});", pairs.join(" + "));
+            let _ = writeln!(text, "    sum += times({weight}, collapsed({}));", pairs.join(" + "));
         }
     }
 
