@@ -272,19 +272,23 @@ fn a_lattice_on_the_gpu_leaves_out_the_list_and_what_acts_on_no_site() {
     assert_eq!(path, Path::Lattice);
     assert_eq!(passes, ["stencil", "lattice_step", "finite", "still"]);
     let nothing = ["neighbour list and weights", "sorting into cells", "wall fold"];
-    assert_eq!(left, [&nothing[..], &["exchange of held particles"]].concat());
+    assert_eq!(left, [&nothing[..], &["exchange of held particles", "enthalpy"]].concat());
     let (path, passes, left) = plan("constant_column");
     assert_eq!(path, Path::Lattice);
     assert_eq!(passes, ["stencil", "lattice_step", "exception_step", "finite", "still"]);
-    assert_eq!(left, nothing);
+    assert_eq!(left, [&nothing[..], &["enthalpy"]].concat());
     let (path, passes, left) = plan("swinging_bar");
     assert_eq!(path, Path::Lattice);
     let steps = ["lattice_step", "exception_step", "finite", "still"];
     assert_eq!(passes, [&["stencil", "sort", "wall_fold"][..], &steps].concat());
     assert!(!left.contains(&"sorting into cells"), "{left:?}");
-    // A body that is no full lattice: what the stencil cannot do is done by list, not left out.
+    // A body that is no full lattice: what the stencil cannot do is done by stored rows.
     let (path, passes, left) = plan("sphere_cooling");
-    assert_eq!(path, Path::List);
-    assert!(passes.contains(&"list") && !passes.contains(&"lattice_step"), "{passes:?}");
-    assert!(!left.contains(&"neighbour list and weights"), "{left:?}");
+    assert_eq!(path, Path::Mixed);
+    let steps = ["rows", "lattice_step", "exception_step"];
+    assert!(steps.iter().all(|pass| passes.contains(pass)), "{passes:?}");
+    assert!(left.contains(&"neighbour list and weights"), "{left:?}");
+    let (path, passes, left) = plan("melting_rod");
+    assert_eq!(path, Path::Lattice);
+    assert!(passes.contains(&"enthalpy") && !left.contains(&"enthalpy"), "{passes:?} {left:?}");
 }

@@ -493,6 +493,13 @@ fn what_makes_no_sense_is_refused() {
         |case| case["sources"][0] = json!({ "linear": -1 }),
         "a source in proportion to the temperature needs materials",
     );
+    refused(
+        |case| {
+            case["time"]["method"] = json!("tr_bdf2");
+            case["time"]["preconditioner"] = json!("two_level");
+        },
+        "time.preconditioner: not used: Newton's method",
+    );
 }
 
 #[test]

@@ -16,6 +16,7 @@ use super::source::resolve as resolve_sources;
 use super::thermal::{check_contacts, impose_potentials, range_of_values};
 use super::wall::{Body, resolve as resolve_walls};
 use crate::exact::Solution;
+use crate::model::integrator::{Method, MethodChoice};
 use crate::model::kernel::SUPPORT_MARGIN;
 use crate::model::operator::ContactResistance;
 use crate::model::{
@@ -111,10 +112,23 @@ fn problem(
         sources: sources.list,
         time,
     };
+    check_preconditioner(case, &problem)?;
     impose_potentials(&mut problem)?;
     check_contacts(&problem)?;
     warn_of_growth(&problem, warnings);
     Ok((problem, exact))
+}
+
+/// Refuses a choice that steps do not have where heat is no straight function of temperature.
+fn check_preconditioner(case: &Case, problem: &Problem) -> Result<(), CaseError> {
+    let takes_steps = problem.time.method != MethodChoice::Given(Method::Steady);
+    if case.time.preconditioner.is_none() || !problem.has_curves() || !takes_steps {
+        return Ok(());
+    }
+    Err(CaseError::UnusedKey {
+        path: "time.preconditioner".to_owned(),
+        reason: "Newton's method, where something melts or conducts as its temperature, has the diagonal".to_owned(),
+    })
 }
 
 fn operator(case: &Case) -> Result<(PairMean, Correction), CaseError> {

@@ -420,6 +420,10 @@ impl Plan {
             };
             leave("exchange of held particles", "no particle is held", bytes);
         }
+        if !problem.has_curves() {
+            let why = "nothing melts, and no conductivity depends on temperature";
+            leave("enthalpy", why, particles * 2 * machine.precision().state_bytes());
+        }
         if problem.time.end == 0.0 {
             leave("time steps", "the simulated time is 0", 0);
         }
@@ -506,7 +510,7 @@ mod tests {
     use super::super::Precision;
     use super::*;
     use crate::model::scenes::lattice;
-    use crate::model::{Condition, Face, KernelKind, ScalarField, Wall};
+    use crate::model::{Condition, Conductivity, Face, KernelKind, Material, ScalarField, Wall};
 
     fn what(problem: &Problem, machine: MachineKind) -> Vec<(&'static str, u64)> {
         let plan = Plan::new(problem, machine, &PathChoice::List(None), 0);
@@ -521,6 +525,7 @@ mod tests {
             ("nearest images", 0),
             ("wall fold", 0),
             ("exchange of held particles", 512),
+            ("enthalpy", 512),
         ];
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
     }
@@ -553,6 +558,8 @@ mod tests {
         problem.particles.volume[5] *= 2.0;
         let value = Condition::value(ScalarField::new("t", |_, t| t));
         problem.walls = vec![wall(value)];
+        let conductivity = Conductivity::of_points(vec![[0.0, 1.0], [100.0, 2.0]]);
+        problem.materials = vec![Material::thermal("m", &conductivity, 1.0, None, 1.0)];
         // But for the ghosts of the 32 particles near the wall.
         let ghosts = ("ghost particles", 32 * PARTICLE_BYTES);
         assert_eq!(what(&problem, MachineKind::Gpu(Precision::F64)), [ghosts]);
