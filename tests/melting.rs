@@ -2,35 +2,16 @@
 
 #[path = "cases/support.rs"]
 mod cases;
-#[expect(dead_code, reason = "the tests of the passes use the rest")]
-#[path = "gpu_passes/support.rs"]
+#[path = "melting/support.rs"]
 mod support;
-
-use std::ops::ControlFlow;
 
 use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision, SolverError};
-use diffusph::study::{self, Outcome, RunOptions};
 use serde_json::{Value, json};
 
 use cases::{load, shipped};
-
-fn outcome(scene: &Scene, machine: &Machine, path: PathWish) -> Outcome {
-    let options = RunOptions { path, ..RunOptions::new(machine) };
-    study::run(scene, &options, &mut |_| ControlFlow::Continue(()))
-        .unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn run_on(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
-    let Outcome { report, state, stopped } = outcome(scene, machine, path);
-    assert!(stopped.is_none(), "{stopped:?}");
-    (report, state)
-}
-
-fn on_gpu(precision: Precision) -> Machine {
-    Machine::Gpu { device: support::device().clone(), precision }
-}
+use support::{on_gpu, outcome, run_on};
 
 fn run(scene: &Scene) -> (RunReport, Vec<f64>) {
     run_on(scene, &Machine::Cpu, PathWish::Auto)
@@ -378,60 +359,6 @@ fn a_gpu_does_everything_at_once_as_the_cpu_does() {
             assert!(worst < most && drift < kept, "{what}: {worst:e} K, drift {drift:e}");
             assert!(report.front.expect("it melts").liquid_volume > 1e-7, "{what}");
         }
-    }
-}
-
-/// Two bars of conductivities 3 and 10 that touch, the right one as given.
-fn bars(right: &Value, method: &str) -> Value {
-    let bar = |from: f64, to: f64, material: &str| json!({ "shape": { "box": { "min": [from, 0], "max": [to, 0.2] } }, "material": material });
-    let mut left = json!({ "conductivity": 3, "density": 1000, "heat_capacity": 2 });
-    if right.get("melting_temperature").is_some() {
-        left["conductivity"] = json!([[300, 3], [400, 4]]);
-    }
-    json!({
-        "title": "bars", "dimension": 2,
-        "particles": { "spacing": 0.02, "fill": [bar(0.0, 0.4, "left"), bar(0.4, 1.0, "right")] },
-        "kernel": { "name": "wendland_c2", "support_ratio": 2.6 },
-        "materials": { "left": left, "right": right },
-        "initial": [{ "value": 300 }],
-        "boundaries": [
-            { "wall": { "faces": ["x_min"], "kind": { "value": 700 } } },
-            { "wall": { "faces": ["x_max"], "kind": { "flux": -1000 } } },
-            { "wall": { "faces": ["y_min"], "kind": "insulated" } },
-            { "held": { "where": { "box": { "min": [0.3, 0.15], "max": [0.5, 0.2] } }, "value": 320 } }
-        ],
-        "time": { "end": 100, "method": method, "tolerance": { "relative": 1e-5 } }
-    })
-}
-
-#[test]
-fn materials_that_meet_exchange_heat_by_their_temperatures() {
-    let plain = json!({ "conductivity": 10, "density": 1000, "heat_capacity": 1 });
-    let table = json!([[300, 10], [400, 10.000001]]);
-    let as_table = json!({ "conductivity": table, "density": 1000, "heat_capacity": 1 });
-    let melts = json!({
-        "conductivity": 10, "density": 1000, "heat_capacity": 1,
-        "melting_temperature": 330, "latent_heat": 100, "liquid": { "conductivity": 4 }
-    });
-    for method in ["rkl2", "tr_bdf2"] {
-        let of = |right: &Value, path| {
-            let scene = load(&bars(right, method)).unwrap_or_else(|error| panic!("{error}"));
-            let (report, state) = run_on(&scene, &Machine::Cpu, path);
-            let drift = report.conserved.relative_drift.abs();
-            assert!(drift < 1e-12, "{method}, {path:?}: {drift:e}");
-            (report, scene.problem.values(&state).into_owned())
-        };
-        let off =
-            |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let (_, of_plain) = of(&plain, PathWish::List);
-        let (_, of_table) = of(&as_table, PathWish::List);
-        assert!(off(&of_plain, &of_table) < 1e-3, "{method}: {}", off(&of_plain, &of_table));
-        let (report, list) = of(&melts, PathWish::List);
-        let (mixed, lattice) = of(&melts, PathWish::Lattice);
-        assert_eq!(mixed.path, "mixed");
-        assert!(report.front.expect("it melts").liquid_volume > 1e-3, "{:?}", report.front);
-        assert!(off(&list, &lattice) < 1e-3, "{method}: {}", off(&list, &lattice));
-        assert!(off(&list, &of_plain) > 1.0, "melting is noticed");
     }
 }
 

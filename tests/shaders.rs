@@ -6,10 +6,10 @@ use diffusph::gpu::limits::{CHAIN, limit_sources};
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
+use diffusph::solver::gpu::curve_passes::{CurvePasses, SeamPasses};
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
-    CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, enthalpy, finite,
-    potential_change, self_test, slope_root, still,
+    CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, finite, self_test, still,
 };
 use diffusph::solver::gpu::vector::{ENTRIES, PLACES, UPDATE, vector_passes};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -145,8 +145,17 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];
-        let of_curves = [enthalpy, potential_change, slope_root].map(|pass| pass(precision, 64));
-        looks.into_iter().chain(of_curves)
+        let curves = [false, true].map(|each| CurvePasses { precision, workgroup_size: 64, each });
+        let seams = [false, true].into_iter().flat_map(move |held| {
+            PairMean::ALL.map(|pair_mean| SeamPasses {
+                precision,
+                workgroup_size: 64,
+                pair_mean,
+                held,
+            })
+        });
+        let of_curves = curves.into_iter().flat_map(CurvePasses::all);
+        looks.into_iter().chain(of_curves).chain(seams.flat_map(SeamPasses::all))
     };
     let passes = passes.chain(Precision::ALL.into_iter().flat_map(on_states));
     let passes = passes.chain(Precision::ALL.into_iter().flat_map(vector_passes));

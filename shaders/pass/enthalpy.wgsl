@@ -11,6 +11,6 @@ fn enthalpy(
     if i < arrayLength(&after) {
         let now = plus(content[i], plus(after[i], -before[i]));
         content[i] = now;
-        after[i] = potential_of(now);
+        after[i] = potential_of(i, now);
     }
 }

@@ -8,7 +8,7 @@ fn potential_change(
 ) {
     let i = flat_index(group, groups, lane);
     if i < arrayLength(&after) {
-        let changed = plus(potential_of(plus(content[i], change[i])), -potential_of(content[i]));
+        let changed = plus(potential_of(i, plus(content[i], change[i])), -potential_of(i, content[i]));
         after[i] = select(changed, exactly(real(0.0)), collapsed(change[i]) == 0.0);
     }
 }

@@ -8,6 +8,6 @@ fn slope_root(
 ) {
     let i = flat_index(group, groups, lane);
     if i < arrayLength(&after) {
-        after[i] = exactly(sqrt(slope_of(plus(content[i], change[i]))));
+        after[i] = exactly(sqrt(slope_of(i, plus(content[i], change[i]))));
     }
 }

@@ -191,12 +191,6 @@ pub enum SolverError {
          melts: give another time.method"
     )]
     SteadyOfCurves,
-    /// Several materials of which one's properties depend on temperature, on a GPU.
-    #[error(
-        "several materials of which one's conductivity depends on temperature or which melts run on the CPU \
-         alone: take `--backend cpu`"
-    )]
-    SeveralCurves,
     /// Flows from walls and sources that do not cancel, and nothing that takes them up.
     #[error(
         "there is no steady state: {flow:.3e} (value x capacity) a second enter through walls or from sources, \
@@ -268,7 +262,6 @@ impl SolverError {
             | Self::NotSymmetric { .. }
             | Self::NeverSteady
             | Self::SteadyOfCurves
-            | Self::SeveralCurves
             | Self::NoSteadyState { .. }
             | Self::TooTight { .. }
             | Self::LinearTooTight { .. } => true,

@@ -131,14 +131,6 @@ impl Machine {
         let Self::Gpu { device, .. } = &opened.machine else {
             return Ok(opened);
         };
-        if !problem.has_one_curve() {
-            if wish.backend != BackendWish::Auto || wish.adapter.is_some() {
-                return Err(SolverError::SeveralCurves);
-            }
-            opened.warnings.push(format!("took the CPU path: {}", SolverError::SeveralCurves));
-            opened.machine = Self::Cpu;
-            return Ok(opened);
-        }
         let harm = Foreseen::of(problem).harm();
         match (wish.precision, harm) {
             (None, None) => {

@@ -106,9 +106,12 @@ impl PathChoice {
             (PathWish::List, _) => return Ok(Self::List(None)),
             (PathWish::MatrixFree, MachineKind::Gpu(_)) => return Ok(Self::MatrixFree(None)),
             (PathWish::MatrixFree, MachineKind::Cpu) => return Err(SolverError::MatrixFreeOnCpu),
-            (_, machine) => match (LatticeScene::of(problem), machine) {
-                (Ok(scene), _) => Ok(Self::Lattice(Arc::new(scene))),
-                (Err(why), machine) => Self::mixed(problem, machine, wish, why),
+            (_, MachineKind::Gpu(_)) if !problem.has_one_curve() => {
+                Err("several materials, of which one melts or conducts as its temperature")
+            }
+            (_, machine) => match LatticeScene::of(problem) {
+                Ok(scene) => Ok(Self::Lattice(Arc::new(scene))),
+                Err(why) => Self::mixed(problem, machine, wish, why),
             },
         };
         match (found, wish) {
@@ -136,13 +139,8 @@ impl PathChoice {
         why: &'static str,
     ) -> Result<Self, &'static str> {
         let scene = MixedScene::of(problem)?;
-        if machine != MachineKind::Cpu {
-            if !gpu::lattice::are_few(&scene) {
-                return Err("particles have more diffusivities than a device tells apart");
-            }
-            if !problem.has_one_curve() {
-                return Err("several materials, of which one melts or conducts as its temperature");
-            }
+        if machine != MachineKind::Cpu && !gpu::lattice::are_few(&scene) {
+            return Err("particles have more diffusivities than a device tells apart");
         }
         if wish == PathWish::Lattice || pays(&scene, problem.particles.len()) {
             return Ok(Self::Mixed(Arc::new(scene), why));
@@ -314,6 +312,9 @@ impl Plan {
         }
         if problem.time.end > 0.0 {
             passes.extend(self.step_passes());
+            if !problem.has_one_curve() {
+                passes.push("seams");
+            }
             if problem.has_curves() {
                 passes.push("enthalpy");
             }
@@ -365,8 +366,10 @@ impl Plan {
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         };
-        // An enthalpy, and the copy of it that a run falls back to.
-        let enthalpy = if problem.has_curves() { 2 * particles * state } else { 0 };
+        // An enthalpy, and the copy of it that a run falls back to; which curve each follows, where they differ.
+        let of_enthalpy = if problem.has_curves() { 2 * state } else { 0 };
+        let of_curves = if problem.has_one_curve() { 0 } else { 4 };
+        let enthalpy = particles * (of_enthalpy + of_curves);
         of_operator + enthalpy + self.bytes_of_sources(problem)
     }
 

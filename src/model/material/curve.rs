@@ -247,6 +247,17 @@ impl HeatCurve {
         }
     }
 
+    /// Conductivity where a segment begins, W/(m K), and how it rises with enthalpy, W/(m K2).
+    pub fn conductivity_of(&self, segment: &Segment) -> [f64; 2] {
+        if segment.warming > 0.0 {
+            let over = self.reference / segment.warming;
+            return [segment.slope * over, 2.0 * segment.bend * over];
+        }
+        let [begins, ends] = self.melting.unwrap_or([segment.start, segment.start]);
+        let [solid, liquid] = [begins.next_down(), ends].map(|side| self.conductivity(side));
+        [solid, (liquid - solid) / (ends - begins)]
+    }
+
     /// How much of it is liquid at an enthalpy (K), 0 to 1.
     pub fn liquid_fraction(&self, enthalpy: f64) -> f64 {
         let of_range = |[begins, ends]: [f64; 2]| {

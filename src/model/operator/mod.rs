@@ -19,7 +19,7 @@ mod weight;
 pub use bodies::floating_bodies;
 pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
-pub use seams::Seams;
+pub use seams::{Seam, SeamPair, Seams};
 pub use some_rows::{SomeRows, Visit, within};
 pub use source_rows::{FoldNeeds, SourceRows};
 pub use weight::{Correction, PairWeight};

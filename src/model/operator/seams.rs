@@ -23,11 +23,22 @@ pub struct Seams {
     materials: Vec<Material>,
     /// In the order of their pairs.
     rows: Vec<SeamRow>,
-    pairs: Vec<Pair>,
+    pairs: Vec<SeamPair>,
 }
 
 /// Place and material of the other particle, and the weight, 1/s.
-type Pair = (u32, u16, f64);
+pub type SeamPair = (u32, u16, f64);
+
+/// A particle that has neighbours of other materials.
+#[derive(Clone, Copy, Debug)]
+pub struct Seam<'a> {
+    /// Its place.
+    pub place: u32,
+    /// Its material.
+    pub material: u16,
+    /// The pairs with these neighbours.
+    pub pairs: &'a [SeamPair],
+}
 
 #[derive(Clone, Copy, Debug)]
 struct SeamRow {
@@ -53,7 +64,7 @@ impl Seams {
         };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
-            let mut found: Vec<(usize, Vec<Pair>)> = Vec::new();
+            let mut found: Vec<(usize, Vec<SeamPair>)> = Vec::new();
             for cell in cells {
                 grid.for_each_row(
                     cell,
@@ -101,7 +112,7 @@ impl Seams {
             let place = row.place as usize;
             let own = self.at(row.material, state(place));
             let pairs = &self.pairs[first as usize..row.end as usize];
-            let short = |&(b, material, weight): &Pair| {
+            let short = |&(b, material, weight): &SeamPair| {
                 let other = self.at(material, state(b as usize));
                 let reference =
                     [row.material, material].map(|m| self.materials[usize::from(m)].conductivity);
@@ -118,6 +129,16 @@ impl Seams {
             first = row.end;
         }
         given
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> impl Iterator<Item = Seam<'_>> {
+        let firsts = std::iter::once(0).chain(self.rows.iter().map(|row| row.end));
+        self.rows.iter().zip(firsts).map(|(row, first)| Seam {
+            place: row.place,
+            material: row.material,
+            pairs: &self.pairs[first as usize..row.end as usize],
+        })
     }
 
     fn at(&self, material: u16, enthalpy: f64) -> Local {

@@ -1,41 +1,120 @@
 //! Enthalpy on the device, and the potentials that come of it.
 
-use super::passes::enthalpy;
+use super::curve_passes::CurvePasses;
 use crate::gpu::{Buffer, Device, GpuError, Pass};
-use crate::model::HeatCurve;
+use crate::model::material::Segment;
+use crate::model::{Conductivity, HeatCurve, Problem};
 use crate::solver::Precision;
 
-/// The state of a scene with a curve, beside the potentials that the operator acts on.
+/// The curves that enthalpies follow.
+#[derive(Debug)]
+pub(super) enum Curves {
+    /// All follow this one.
+    One(HeatCurve),
+    /// By place: which of the curves of materials.
+    Each { of: Vec<u32>, curves: Vec<HeatCurve> },
+}
+
+impl Curves {
+    /// Those of `problem`, with a particle `order[k]` in place k; `None` where states are no enthalpies.
+    pub(super) fn of(problem: &Problem, order: Option<&[u32]>) -> Option<Self> {
+        if !problem.has_curves() {
+            return None;
+        }
+        if problem.has_one_curve() {
+            return problem.curve(0).cloned().map(Self::One);
+        }
+        // What neither melts nor changes has a straight curve.
+        let curve = |material: &crate::model::Material| match &material.curve {
+            Some(curve) => HeatCurve::clone(curve),
+            None => {
+                let conductivity = Conductivity::constant(material.conductivity);
+                HeatCurve::new(&conductivity, material.capacity, None)
+            }
+        };
+        let material: Vec<u32> = problem.particles.material.iter().map(|&m| m.into()).collect();
+        let of = super::by_place(order, &material, 0).into_owned();
+        Some(Self::Each { of, curves: problem.materials.iter().map(curve).collect() })
+    }
+
+    /// The potential of an enthalpy (K) in a place, K.
+    fn potential(&self, place: usize, enthalpy: f64) -> f64 {
+        match self {
+            Self::One(curve) => curve.potential(enthalpy),
+            Self::Each { of, curves } => curves[of[place] as usize].potential(enthalpy),
+        }
+    }
+
+    /// Potentials of enthalpies by place, K.
+    pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
+        let of = |(place, &enthalpy): (usize, &f64)| self.potential(place, enthalpy);
+        enthalpies.iter().enumerate().map(of).collect()
+    }
+
+    /// The curves, one after the other.
+    pub(super) fn list(&self) -> &[HeatCurve] {
+        match self {
+            Self::One(curve) => std::slice::from_ref(curve),
+            Self::Each { curves, .. } => curves,
+        }
+    }
+
+    /// The conductivity that those on the device are relative to, W/(m K).
+    pub(super) fn largest_reference(&self) -> f64 {
+        self.list().iter().map(HeatCurve::reference).fold(0.0, f64::max)
+    }
+}
+
+/// The state of a scene with curves, beside the potentials that the operator acts on.
 #[derive(Debug)]
 pub(super) struct Enthalpy {
-    precision: Precision,
-    workgroup_size: u32,
+    passes: CurvePasses,
     /// In the parts of the state.
     pub(super) parts: Vec<Buffer>,
-    /// The segments of the curve.
-    pub(super) curve: Buffer,
+    /// The segments of the curves; where places have different ones, which each has and where these begin.
+    curve: Vec<Buffer>,
 }
 
 impl Enthalpy {
-    /// The parts of an enthalpy that follows `curve`, from what each holds at first.
+    /// The parts of an enthalpy that follows `curves`, from what each holds at first. Only a state in one part
+    /// may have several curves.
     pub(super) fn new<'a>(
         device: &Device,
         precision: Precision,
         workgroup_size: u32,
-        curve: &HeatCurve,
+        curves: &Curves,
         parts: impl Iterator<Item = &'a [f64]>,
     ) -> Result<Self, GpuError> {
         let parts = parts.map(|part| {
             let contents = precision.state_to_bytes(part);
             device.storage_with("enthalpy", &contents)
         });
-        let contents = precision.real().to_bytes(&table(curve));
+        let contents = precision.real().to_bytes(&table(curves));
+        let mut curve = vec![device.storage_with("curve", &contents)?];
+        if let Curves::Each { of, curves } = curves {
+            let mut start = vec![0];
+            for curve in curves {
+                start.push(start[start.len() - 1] + curve.segments().len() as u32);
+            }
+            curve.push(device.storage_with("curves of places", bytemuck::cast_slice(of))?);
+            curve.push(device.storage_with("starts of curves", bytemuck::cast_slice(&start))?);
+        }
+        let each = matches!(curves, Curves::Each { .. });
         Ok(Self {
-            precision,
-            workgroup_size,
+            passes: CurvePasses { precision, workgroup_size, each },
             parts: parts.collect::<Result<_, _>>()?,
-            curve: device.storage_with("curve", &contents)?,
+            curve,
         })
+    }
+
+    /// The passes that there are on its curves.
+    pub(super) fn sources(&self) -> CurvePasses {
+        self.passes
+    }
+
+    /// The buffers of its curves, in the order of their bindings.
+    pub(super) fn curve(&self) -> &[Buffer] {
+        &self.curve
     }
 
     /// The passes that follow a step of potentials from `before` to `after`.
@@ -46,30 +125,40 @@ impl Enthalpy {
         before: &[Buffer],
         after: &[Buffer],
     ) -> Result<Vec<Pass>, GpuError> {
-        let source = enthalpy(self.precision, self.workgroup_size);
+        let source = self.passes.enthalpy();
         let of_part = |((content, before), after): ((&Buffer, &Buffer), &Buffer)| {
-            let values = after.bytes() / self.precision.state_bytes();
-            device.pass(&source, &[step_size, &self.curve, before, after, content], values)
+            let mut buffers = vec![step_size];
+            buffers.extend(&self.curve);
+            buffers.extend([before, after, content]);
+            device.pass(&source, &buffers, after.bytes() / self.passes.precision.state_bytes())
         };
         self.parts.iter().zip(before).zip(after).map(of_part).collect()
     }
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.parts.iter().map(Buffer::bytes).sum::<u64>() + self.curve.bytes()
+        self.parts.iter().chain(&self.curve).map(Buffer::bytes).sum()
     }
 }
 
-/// Two vectors for each segment: see `shaders/curve.wgsl`.
-fn table(curve: &HeatCurve) -> Vec<f64> {
-    let words = |number: f64| {
-        let first = f64::from(number as f32);
-        [first, number - first]
+/// A number as the sum of two words.
+pub(super) fn words(number: f64) -> [f64; 2] {
+    let first = f64::from(number as f32);
+    [first, number - first]
+}
+
+/// Two vectors for each segment: see `shaders/curve/segments.wgsl`.
+fn table(curves: &Curves) -> Vec<f64> {
+    let scale = 1.0 / curves.largest_reference();
+    let segments = |curve: &HeatCurve| {
+        let of = |segment: &Segment| {
+            let [start, rest] = words(segment.start);
+            let [potential, of_potential] = words(segment.potential);
+            let [conductivity, rise] = curve.conductivity_of(segment).map(|k| scale * k);
+            let Segment { slope, bend, .. } = *segment;
+            [start, rest, potential, of_potential, slope, bend, conductivity, rise]
+        };
+        curve.segments().iter().flat_map(of).collect::<Vec<f64>>()
     };
-    let segment = |segment: &crate::model::material::Segment| {
-        let [start, rest] = words(segment.start);
-        let [potential, of_potential] = words(segment.potential);
-        [start, rest, potential, of_potential, segment.slope, segment.bend, 0.0, 0.0]
-    };
-    curve.segments().iter().flat_map(segment).collect()
+    curves.list().iter().flat_map(segments).collect()
 }

@@ -6,12 +6,14 @@
 //! reading back.
 
 mod backend;
+pub mod curve_passes;
 mod enthalpy;
 pub mod lattice;
 mod list;
 mod operator;
 pub mod passes;
 mod scaling;
+mod seams;
 mod search;
 mod self_test;
 mod sorted;
@@ -28,14 +30,17 @@ use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::lattice::{ABSENT, LatticeScene, MixedScene};
 use crate::model::neighbors::CellLayout;
 use crate::model::operator::{SomeRows, SourceRows};
-use crate::model::{HeatCurve, Material, Problem};
+use crate::model::{Material, Problem};
 
+use curve_passes::SeamPasses;
+use enthalpy::Curves;
 use lattice::{Beside, Lattice};
 use list::List;
 use operator::Operator;
 pub use passes::Choices;
 use passes::{Neighbors, WallTerms};
 use scaling::{Scaling, reference_step};
+use seams::DeviceSeams;
 use search::Search;
 pub use self_test::SelfTest;
 pub use sorted::Sorted;
@@ -134,9 +139,6 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        if !problem.has_one_curve() {
-            return Err(SolverError::SeveralCurves);
-        }
         let needs = Needs::of(problem);
         let scaling = Scaling::new(problem, dt, needs.coefficients);
         let mut choices = choices(problem, needs, options);
@@ -182,8 +184,23 @@ impl GpuBackend {
             Operator::List { list, choices }
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
+        let curves = Curves::of(problem, Some(&order));
+        let seam_passes = SeamPasses {
+            precision: options.precision,
+            workgroup_size: options.workgroup_size,
+            pair_mean: problem.pair_mean,
+            held: !rows.is_empty(),
+        };
+        let seams = match &curves {
+            Some(curves) => {
+                let step = scaling.step;
+                DeviceSeams::new(device, problem, curves, &order, &rows, step, seam_passes)?
+            }
+            None => None,
+        };
+        let heat = (curves.as_ref(), seams);
         Ok(Self {
-            steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
+            steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
             device: device.clone(),
             operator,
             order: Some(order),
@@ -251,9 +268,6 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        if !problem.has_one_curve() {
-            return Err(SolverError::SeveralCurves);
-        }
         let real = options.precision.real();
         device.require(real)?;
         let Beside { held, walls, .. } = beside;
@@ -272,8 +286,11 @@ impl GpuBackend {
         let nothing = if problem.has_curves() { problem.initial[0] } else { 0.0 };
         let initial = by_place(order, &problem.initial, nothing);
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
+        // A scene of several curves takes the list.
+        let curves = Curves::of(problem, order);
+        let heat = (curves.as_ref(), None);
         Ok(Self {
-            steps: Steps::new(device, &operator, &initial, curve_of(problem), exchange, slots)?,
+            steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
             device: device.clone(),
             operator,
             order: scene.order.clone(),
@@ -367,11 +384,6 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
         precision: options.precision,
         workgroup_size: options.workgroup_size,
     }
-}
-
-/// The curve that all particles follow, where their state is an enthalpy.
-fn curve_of(problem: &Problem) -> Option<&HeatCurve> {
-    (!problem.particles.is_empty()).then(|| problem.curve(0)).flatten()
 }
 
 /// Row and capacity of each held particle.

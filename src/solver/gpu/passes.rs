@@ -217,53 +217,6 @@ fn on_states(
     }
 }
 
-/// What every pass on a curve has: the curve, and the enthalpies.
-const CURVE: &str = "curve";
-
-/// Adds to enthalpies what a step has added to potentials, and writes the potentials that come of it.
-pub fn enthalpy(precision: Precision, workgroup_size: u32) -> PassSource {
-    let value = value(precision);
-    let states = vec![read("before", value), write("after", value), write("content", value)];
-    on_curve("enthalpy", precision, workgroup_size, states)
-}
-
-/// By how much potentials change with a change of the state.
-pub fn potential_change(precision: Precision, workgroup_size: u32) -> PassSource {
-    changed("potential_change", precision, workgroup_size)
-}
-
-/// The square roots of the slopes of potentials after a change of the state.
-pub fn slope_root(precision: Precision, workgroup_size: u32) -> PassSource {
-    changed("slope_root", precision, workgroup_size)
-}
-
-fn changed(pass: &'static str, precision: Precision, workgroup_size: u32) -> PassSource {
-    let value = value(precision);
-    let states = vec![read("content", value), read("change", value), write("after", value)];
-    on_curve(pass, precision, workgroup_size, states)
-}
-
-fn on_curve(
-    pass: &'static str,
-    precision: Precision,
-    workgroup_size: u32,
-    states: Vec<Binding>,
-) -> PassSource {
-    let mut bindings = vec![block("step_size", &STEP_SIZE), read(CURVE, Element::Real4)];
-    bindings.extend(states);
-    let mut slots = arithmetic(precision).map(str::to_owned).to_vec();
-    slots.push(CURVE.to_owned());
-    PassSource {
-        pass,
-        real: precision.real(),
-        workgroup_size,
-        constants: Vec::new(),
-        bindings,
-        slots,
-        generated: String::new(),
-    }
-}
-
 /// Adds increments to values and takes differences of values, as a step does: whether a device keeps
 /// what rounding takes.
 pub fn self_test() -> PassSource {

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::enthalpy::Enthalpy;
+use super::enthalpy::{Curves, Enthalpy};
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
+use super::seams::{DeviceSeams, SeamFields};
 use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass};
-use crate::model::HeatCurve;
 use crate::solver::Precision;
 
 /// Dispatches in a submission at most.
@@ -23,6 +23,8 @@ pub(super) struct Steps {
     current: usize,
     /// The state, only where `state` has its potentials.
     enthalpy: Option<Enthalpy>,
+    /// Where materials meet of which one has a curve.
+    seams: Option<DeviceSeams>,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -38,25 +40,25 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The passes of `operator`, from a state `initial` in its order, which has a `curve` where it is an
-    /// enthalpy.
+    /// The passes of `operator`, from a state `initial` in its order, which follows `curves` where it is an
+    /// enthalpy; `seams` are where these meet.
     pub(super) fn new(
         device: &Device,
         operator: &Operator,
         initial: &[f64],
-        curve: Option<&HeatCurve>,
+        (curves, seams): (Option<&Curves>, Option<DeviceSeams>),
         exchange: Option<Buffer>,
         walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
         let precision = operator.precision();
         let real = precision.real();
         let parts = operator.parts(initial.len());
-        let of_curve = |curve| {
+        let of_curves = |curves| {
             let contents = parts.iter().map(|part| &initial[part.clone()]);
-            Enthalpy::new(device, precision, operator.workgroup_size(), curve, contents)
+            Enthalpy::new(device, precision, operator.workgroup_size(), curves, contents)
         };
-        let enthalpy = curve.map(of_curve).transpose()?;
-        let potentials = curve.map(|curve| initial.iter().map(|&h| curve.potential(h)).collect());
+        let enthalpy = curves.map(of_curves).transpose()?;
+        let potentials = curves.map(|curves| curves.potentials(initial));
         let initial = potentials.map_or(Cow::Borrowed(initial), Cow::<[f64]>::Owned);
         let filled = parts.iter().map(|part| {
             device.storage_with("state", &precision.state_to_bytes(&initial[part.clone()]))
@@ -78,6 +80,11 @@ impl Steps {
                 combination: None,
             };
             let mut passes = operator.passes(device, Makes::Step, &fields)?;
+            if let (Some(enthalpy), Some(seams)) = (&enthalpy, &seams) {
+                let after = &state[1 - from][0];
+                let fields = SeamFields { step_size: &step_size, enthalpy, after };
+                passes.push(seams.step(device, fields, exchange.as_ref())?);
+            }
             if let Some(enthalpy) = &enthalpy {
                 passes.extend(enthalpy.passes(
                     device,
@@ -115,6 +122,7 @@ impl Steps {
             state,
             current: 0,
             enthalpy,
+            seams,
             exchange,
             walls,
             step_size,
@@ -164,6 +172,15 @@ impl Steps {
     /// The state, where it is not what the operator acts on.
     pub(super) fn enthalpy(&self) -> Option<&Enthalpy> {
         self.enthalpy.as_ref()
+    }
+
+    /// Where materials meet of which one has a curve, with what a pass over that needs to add to `after`.
+    pub(super) fn seams<'a>(
+        &'a self,
+        after: &'a Buffer,
+    ) -> Option<(&'a DeviceSeams, SeamFields<'a>)> {
+        let (enthalpy, seams) = self.enthalpy.as_ref().zip(self.seams.as_ref())?;
+        Some((seams, SeamFields { step_size: &self.step_size, enthalpy, after }))
     }
 
     /// The parts of what the operator acts on.
@@ -226,7 +243,11 @@ impl Steps {
             step_size: &self.step_size,
             combination: None,
         };
-        device.submit(&operator.passes(device, Makes::Rate, &fields)?)?;
+        let mut passes = operator.passes(device, Makes::Rate, &fields)?;
+        if let Some((seams, fields)) = self.seams(&to[0]) {
+            passes.push(seams.rate(device, fields)?);
+        }
+        device.submit(&passes)?;
         Ok(to)
     }
 
@@ -252,8 +273,10 @@ impl Steps {
         let states = self.state.iter().flatten();
         let buffers = states.chain([&self.step_size, &self.flag]).chain(&self.exchange);
         let enthalpy = self.enthalpy.as_ref().map_or(0, Enthalpy::bytes);
+        let seams = self.seams.as_ref().map_or(0, DeviceSeams::bytes);
         buffers.map(Buffer::bytes).sum::<u64>()
             + enthalpy
+            + seams
             + self.walls.as_ref().map_or(0, WallSlots::bytes)
     }
 }

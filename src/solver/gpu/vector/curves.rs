@@ -4,8 +4,7 @@ use super::passes::multiply;
 use super::queue::Operation;
 use super::{GpuVector, Operations};
 use crate::gpu::{Buffer, GpuError, PassSource};
-use crate::solver::Precision;
-use crate::solver::gpu::passes::{potential_change, slope_root};
+use crate::solver::gpu::curve_passes::CurvePasses;
 
 impl Operations<'_> {
     /// The change of the rate with a change `x` of the state.
@@ -21,10 +20,24 @@ impl Operations<'_> {
             Some(potential) => potential,
             None => self.vector()?,
         };
-        self.on_curve(Operation::PotentialChange, potential_change, x, &mut potential)?;
+        let of_potential = CurvePasses::potential_change;
+        self.on_curve(Operation::PotentialChange, of_potential, x, &mut potential)?;
         self.apply(&potential, 0.0, 1.0, out)?;
         self.tools.potential = Some(potential);
-        Ok(())
+        self.add_change_of_seams(x, out)
+    }
+
+    /// Adds by how much what the matrix is short of changes, in the shares of the last combination.
+    fn add_change_of_seams(&mut self, x: &GpuVector, out: &mut GpuVector) -> Result<(), GpuError> {
+        let (tools, steps) = (&mut *self.tools, &*self.steps);
+        let Some((seams, fields)) = steps.seams(&out.parts[0]) else {
+            return Ok(());
+        };
+        let key = (Operation::SeamChange, vec![out.number, x.number]);
+        tools.queue.run(self.device, key, || {
+            let more = [&tools.combination, &out.given, &x.parts[0]];
+            Ok(vec![seams.change(self.device, fields, more)?])
+        })
     }
 
     /// The square roots of the slopes of potentials after a change `x` of the state.
@@ -33,25 +46,27 @@ impl Operations<'_> {
         x: &GpuVector,
         out: &mut GpuVector,
     ) -> Result<(), GpuError> {
-        self.on_curve(Operation::SlopeRoot, slope_root, x, out)
+        self.on_curve(Operation::SlopeRoot, CurvePasses::slope_root, x, out)
     }
 
     fn on_curve(
         &mut self,
         operation: Operation,
-        source: fn(Precision, u32) -> PassSource,
+        source: fn(CurvePasses) -> PassSource,
         x: &GpuVector,
         out: &mut GpuVector,
     ) -> Result<(), GpuError> {
         let (tools, steps, precision) = (&mut *self.tools, &*self.steps, self.operator.precision());
-        let source = source(precision, self.operator.workgroup_size());
         let key = (operation, vec![out.number, x.number]);
         let Some(enthalpy) = steps.enthalpy() else {
             return Ok(());
         };
         tools.queue.run(self.device, key, || {
+            let source = source(enthalpy.sources());
             let pass = |((content, x), out): ((&Buffer, &Buffer), &Buffer)| {
-                let buffers = [steps.step_size(), &enthalpy.curve, content, x, out];
+                let mut buffers = vec![steps.step_size()];
+                buffers.extend(enthalpy.curve());
+                buffers.extend([content, x, out]);
                 self.device.pass(&source, &buffers, precision.values_in(out))
             };
             enthalpy.parts.iter().zip(&x.parts).zip(&out.parts).map(pass).collect()

@@ -72,7 +72,12 @@ impl Operations<'_> {
                     exception: &tools.exception,
                 }),
             };
-            self.operator.passes(self.device, Makes::Combination, &fields)
+            let mut passes = self.operator.passes(self.device, Makes::Combination, &fields)?;
+            if let Some((seams, fields)) = steps.seams(&out.parts[0]) {
+                let more = [&tools.combination, &out.given];
+                passes.push(seams.combine(self.device, fields, more)?);
+            }
+            Ok(passes)
         })
     }
 

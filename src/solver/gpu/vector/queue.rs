@@ -20,6 +20,7 @@ pub(super) enum Operation {
     Multiply,
     PotentialChange,
     SlopeRoot,
+    SeamChange,
     Dot,
     Largest,
     LargestValue(usize),

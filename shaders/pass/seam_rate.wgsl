@@ -1,0 +1,20 @@
+// The same for rates, a reference step.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn seam_rate(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let index = flat_index(group, groups, lane);
+    if index >= arrayLength(&seam_row) {
+        return;
+    }
+    let row = seam_row[index];
+    let increment = shortage(row);
+    if row.w == NO_SLOT {
+        after[row.x] = advanced(after[row.x], increment);
+    } else {
+        record_short(row, increment);
+    }
+}

@@ -1,0 +1,20 @@
+// Adds what the matrix is short of where materials meet to a step of potentials.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn seam_step(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let index = flat_index(group, groups, lane);
+    if index >= arrayLength(&seam_row) {
+        return;
+    }
+    let row = seam_row[index];
+    let increment = step_size.over_reference * shortage(row);
+    if row.w == NO_SLOT {
+        after[row.x] = advanced(after[row.x], increment);
+    } else {
+        record_short(row, increment);
+    }
+}

@@ -1,0 +1,39 @@
+// What the matrix is short of where materials meet (`Seams` in src/model/operator/seams.rs). A row of
+// `seam_row` has the place of a particle, its first and end pair, and its place among the held ones or
+// NO_SLOT. A pair has the place of the other particle, its weight a reference step, and that over the
+// mean of the reference conductivities. `thermal` has for each segment of a curve the temperature where
+// it begins, as the sum of two numbers, and how it rises.
+
+struct Local {
+    temperature: Value,
+    potential: Value,
+    conductivity: real,
+}
+
+fn local_at(place: u32, is_changed: bool) -> Local {
+    let enthalpy = enthalpy_at(place, is_changed);
+    let segment = segment_at(place, collapsed(enthalpy));
+    let above = above_start(segment, enthalpy);
+    let heat = thermal[segment];
+    let shape = curve[2u * segment + 1u];
+    return Local(
+        plus(of_words(heat.x, heat.y), heat.z * above),
+        potential_in(segment, above),
+        shape.z + shape.w * collapsed(above),
+    );
+}
+
+// The rate that the matrix is short of, dimensionless in time.
+fn seam_sum(row: vec4<u32>, is_changed: bool) -> real {
+    let own = local_at(row.x, is_changed);
+    var sum = real(0.0);
+    for (var i = row.y; i < row.z; i++) {
+        let other = local_at(seam_pair[i], is_changed);
+        let weight = seam_weight[i];
+        let mean = pair_mean(own.conductivity, other.conductivity);
+        let by_heat = weight.y * mean * collapsed(other.temperature - own.temperature);
+        sum += by_heat - weight.x * collapsed(other.potential - own.potential);
+    }
+    return sum;
+}
+

@@ -1,0 +1,148 @@
+//! Where materials meet of which one's conductivity depends on temperature, or which melts, on the device.
+
+use super::curve_passes::SeamPasses;
+use super::enthalpy::{Curves, Enthalpy, words};
+use super::passes::NO_SLOT;
+use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
+use crate::model::operator::Seams;
+use crate::model::{HeatCurve, Problem};
+
+/// What the matrix is short of there, row by row: see `shaders/seams/rows.wgsl`.
+#[derive(Debug)]
+pub(super) struct DeviceSeams {
+    passes: SeamPasses,
+    rows: u64,
+    /// Temperatures of segments, rows, pairs and their weights.
+    buffers: [Buffer; 4],
+}
+
+/// What a pass over the rows reads and writes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeamFields<'a> {
+    /// The block with a zero that compilers do not know, and the step over the reference step.
+    pub(super) step_size: &'a Buffer,
+    /// The state.
+    pub(super) enthalpy: &'a Enthalpy,
+    /// What is added to.
+    pub(super) after: &'a Buffer,
+}
+
+impl DeviceSeams {
+    /// The seams of `problem`, whose particles follow `curves`, with a particle `order[k]` in place k, of which
+    /// places `held` (ascending) are held; weights are relative to `reference_step` (s). `None` where there
+    /// are none.
+    pub(super) fn new(
+        device: &Device,
+        problem: &Problem,
+        curves: &Curves,
+        order: &[u32],
+        held: &[u32],
+        reference_step: f64,
+        passes: SeamPasses,
+    ) -> Result<Option<Self>, GpuError> {
+        let mut place = vec![0; problem.particles.len()];
+        for (k, &particle) in (0..).zip(order) {
+            place[particle as usize] = k;
+        }
+        let Some(seams) = Seams::of(problem, &place) else {
+            return Ok(None);
+        };
+        let scale = 1.0 / curves.largest_reference();
+        let (mut rows, mut others, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for row in seams.rows() {
+            let first = others.len() as u32;
+            for &(other, material, weight) in row.pairs {
+                let of = |m: u16| scale * problem.materials[usize::from(m)].conductivity;
+                let mean = problem.pair_mean.of(of(row.material), of(material));
+                others.push(other);
+                weights.extend([reference_step * weight, reference_step * weight / mean]);
+            }
+            let among_held = held.binary_search(&row.place).map_or(NO_SLOT, |k| k as u32);
+            rows.push([row.place, first, others.len() as u32, among_held]);
+        }
+        let real = passes.precision.real();
+        let thermal: Vec<f64> = curves.list().iter().flat_map(temperatures).collect();
+        let buffers = [
+            device.storage_with("temperatures of curves", &real.to_bytes(&thermal))?,
+            device.storage_with("rows of seams", bytemuck::cast_slice(&rows))?,
+            device.storage_with("pairs of seams", bytemuck::cast_slice(&others))?,
+            device.storage_with("weights of seams", &real.to_bytes(&weights))?,
+        ];
+        Ok(Some(Self { passes, rows: rows.len() as u64, buffers }))
+    }
+
+    /// Adds to a step of potentials what the matrix is short of; held particles give to `exchange`.
+    pub(super) fn step(
+        &self,
+        device: &Device,
+        fields: SeamFields<'_>,
+        exchange: Option<&Buffer>,
+    ) -> Result<Pass, GpuError> {
+        let exchange = exchange.into_iter().filter(|_| self.passes.held);
+        self.pass(device, &self.passes.step(), fields, exchange)
+    }
+
+    /// Adds the same to rates a reference step.
+    pub(super) fn rate(&self, device: &Device, fields: SeamFields<'_>) -> Result<Pass, GpuError> {
+        self.pass(device, &self.passes.rate(), fields, [])
+    }
+
+    /// Adds the same to a vector of rates in shares of `factors`; held particles give to `given`.
+    pub(super) fn combine(
+        &self,
+        device: &Device,
+        fields: SeamFields<'_>,
+        [factors, given]: [&Buffer; 2],
+    ) -> Result<Pass, GpuError> {
+        let given = self.passes.held.then_some(given);
+        self.pass(
+            device,
+            &self.passes.combine(),
+            fields,
+            [Some(factors), given].into_iter().flatten(),
+        )
+    }
+
+    /// Adds by how much that changes with a `change` of the state.
+    pub(super) fn change(
+        &self,
+        device: &Device,
+        fields: SeamFields<'_>,
+        [factors, given, change]: [&Buffer; 3],
+    ) -> Result<Pass, GpuError> {
+        let given = self.passes.held.then_some(given);
+        let more = [Some(factors), given, Some(change)].into_iter().flatten();
+        self.pass(device, &self.passes.change(), fields, more)
+    }
+
+    fn pass<'a>(
+        &'a self,
+        device: &Device,
+        source: &PassSource,
+        fields: SeamFields<'a>,
+        more: impl IntoIterator<Item = &'a Buffer>,
+    ) -> Result<Pass, GpuError> {
+        let SeamFields { step_size, enthalpy, after } = fields;
+        let mut buffers = vec![step_size];
+        buffers.extend(enthalpy.curve());
+        buffers.extend(&self.buffers);
+        // Only a state in one part has several curves.
+        buffers.extend([&enthalpy.parts[0], after]);
+        buffers.extend(more);
+        device.pass(source, &buffers, self.rows)
+    }
+
+    /// Bytes on the device.
+    pub(super) fn bytes(&self) -> u64 {
+        self.buffers.iter().map(Buffer::bytes).sum()
+    }
+}
+
+/// A vector for each segment: the temperature where it begins, as the sum of two words, and how it rises.
+fn temperatures(curve: &HeatCurve) -> Vec<f64> {
+    let of = |segment: &crate::model::material::Segment| {
+        let [temperature, rest] = words(segment.temperature);
+        [temperature, rest, segment.warming, 0.0]
+    };
+    curve.segments().iter().flat_map(of).collect()
+}

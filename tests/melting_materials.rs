@@ -1,0 +1,171 @@
+//! Several materials of which one melts or conducts as its temperature, on every path and machine.
+
+#[expect(dead_code, reason = "these scenes are no shipped cases")]
+#[path = "cases/support.rs"]
+mod cases;
+#[path = "melting/support.rs"]
+mod support;
+
+use diffusph::case::Scene;
+use diffusph::report::run::RunReport;
+use diffusph::solver::{Machine, PathWish, Precision};
+use serde_json::{Value, json};
+
+use cases::load;
+use support::{on_gpu, run_on};
+
+/// The largest difference of two fields.
+fn furthest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The report of a run, and temperatures at its end.
+fn temperatures(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
+    let (report, state) = run_on(scene, machine, path);
+    (report, scene.problem.values(&state).into_owned())
+}
+
+/// Two bars of conductivities 3 and 10 that touch, the right one as given.
+fn bars(right: &Value, method: &str) -> Value {
+    let bar = |from: f64, to: f64, material: &str| json!({ "shape": { "box": { "min": [from, 0], "max": [to, 0.2] } }, "material": material });
+    let mut left = json!({ "conductivity": 3, "density": 1000, "heat_capacity": 2 });
+    if right.get("melting_temperature").is_some() {
+        left["conductivity"] = json!([[300, 3], [400, 4]]);
+    }
+    json!({
+        "title": "bars", "dimension": 2,
+        "particles": { "spacing": 0.02, "fill": [bar(0.0, 0.4, "left"), bar(0.4, 1.0, "right")] },
+        "kernel": { "name": "wendland_c2", "support_ratio": 2.6 },
+        "materials": { "left": left, "right": right },
+        "initial": [{ "value": 300 }],
+        "boundaries": [
+            { "wall": { "faces": ["x_min"], "kind": { "value": 700 } } },
+            { "wall": { "faces": ["x_max"], "kind": { "flux": -1000 } } },
+            { "wall": { "faces": ["y_min"], "kind": "insulated" } },
+            { "held": { "where": { "box": { "min": [0.3, 0.15], "max": [0.5, 0.2] } }, "value": 320 } }
+        ],
+        "time": { "end": 100, "method": method, "tolerance": { "relative": 1e-5 } }
+    })
+}
+
+#[test]
+fn materials_that_meet_exchange_heat_by_their_temperatures() {
+    let plain = json!({ "conductivity": 10, "density": 1000, "heat_capacity": 1 });
+    let table = json!([[300, 10], [400, 10.000001]]);
+    let as_table = json!({ "conductivity": table, "density": 1000, "heat_capacity": 1 });
+    let melts = json!({
+        "conductivity": 10, "density": 1000, "heat_capacity": 1,
+        "melting_temperature": 330, "latent_heat": 100, "liquid": { "conductivity": 4 }
+    });
+    for method in ["rkl2", "tr_bdf2"] {
+        let of = |right: &Value, path| {
+            let scene = load(&bars(right, method)).unwrap_or_else(|error| panic!("{error}"));
+            let (report, values) = temperatures(&scene, &Machine::Cpu, path);
+            let drift = report.conserved.relative_drift.abs();
+            assert!(drift < 1e-12, "{method}, {path:?}: {drift:e}");
+            (report, values)
+        };
+        let (_, of_plain) = of(&plain, PathWish::List);
+        let (_, of_table) = of(&as_table, PathWish::List);
+        assert!(
+            furthest(&of_plain, &of_table) < 1e-3,
+            "{method}: {}",
+            furthest(&of_plain, &of_table)
+        );
+        let (report, list) = of(&melts, PathWish::List);
+        let (mixed, lattice) = of(&melts, PathWish::Lattice);
+        assert_eq!(mixed.path, "mixed");
+        assert!(report.front.expect("it melts").liquid_volume > 1e-3, "{:?}", report.front);
+        assert!(furthest(&list, &lattice) < 1e-3, "{method}: {}", furthest(&list, &lattice));
+        assert!(furthest(&list, &of_plain) > 1.0, "melting is noticed");
+    }
+}
+
+/// What melts beside the left bar, whose conductivity depends on temperature then.
+fn melting() -> Value {
+    json!({
+        "conductivity": 10, "density": 1000, "heat_capacity": 1,
+        "melting_temperature": 330, "latent_heat": 100, "liquid": { "conductivity": 4 }
+    })
+}
+
+/// The bars with equal steps, which leave no step to what rounding makes of an estimate: so many steps of
+/// `share` of the longest that explicit Euler may take, 0.0102 s.
+fn in_equal_steps(right: &Value, method: &str, share: f64, steps: u32) -> Scene {
+    let mut case = bars(right, method);
+    let step = share * 0.01;
+    // Some of the right bar is liquid.
+    case["initial"] = json!([{ "value": "600 - 500*x" }]);
+    case["time"] = json!({ "end": step * f64::from(steps), "step": step, "method": method });
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Methods with the length of their steps and how many they take.
+const METHODS: [(&str, f64, u32); 4] =
+    [("euler", 1.0, 400), ("heun", 1.0, 200), ("rkl2", 8.0, 60), ("tr_bdf2", 8.0, 60)];
+
+#[test]
+fn a_gpu_does_what_the_cpu_does() {
+    for (method, share, steps) in METHODS {
+        let scene = in_equal_steps(&melting(), method, share, steps);
+        let (report, on_cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
+        assert!(report.front.expect("it melts").liquid_volume > 1e-3, "{method}");
+        // Of 700 K, 1e-6 and 1e-5 where differences have the words of f32.
+        for (precision, most, kept) in [
+            (Precision::F64, 1e-11, 1e-14),
+            (Precision::Compensated, 7e-4, 1e-6),
+            (Precision::F32, 7e-3, 1e-6),
+        ] {
+            for path in [PathWish::Auto, PathWish::MatrixFree] {
+                // A search takes long on a software adapter.
+                if path == PathWish::MatrixFree && (precision == Precision::F32 || method == "heun")
+                {
+                    continue;
+                }
+                let (report, here) = temperatures(&scene, &on_gpu(precision), path);
+                let what = format!("{method} {} {}", report.path, precision.name());
+                let (off, drift) =
+                    (furthest(&on_cpu, &here), report.conserved.relative_drift.abs());
+                assert!(off < most && drift < kept, "{what}: {off:e} K, drift {drift:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rates_on_a_gpu_know_what_materials_exchange() {
+    use diffusph::solver::Backend;
+    use diffusph::solver::cpu::CpuBackend;
+    use diffusph::solver::gpu::GpuBackend;
+    let mut problem = in_equal_steps(&melting(), "euler", 1.0, 400).problem;
+    // Some melt, some have.
+    let x = |p: usize| problem.particles.position[p].x;
+    let initial: Vec<f64> = (0..problem.initial.len()).map(|p| 500.0 - 200.0 * x(p)).collect();
+    problem.initial.clone_from(&initial);
+    let rates_of = |problem: &diffusph::model::Problem| {
+        let Machine::Gpu { device, precision } = on_gpu(Precision::F64) else { unreachable!() };
+        let mut backend = GpuBackend::new(problem, 0.01, &device, precision).expect("backend");
+        backend.rate(0.0).expect("rates").as_ref().to_vec()
+    };
+    let expected = CpuBackend::of(&problem).rate(0.0).expect("rates").as_ref().to_vec();
+    let largest = expected.iter().fold(0.0, |m: f64, rate| m.max(rate.abs()));
+    let off = furthest(&expected, &rates_of(&problem)) / largest;
+    assert!(off < 1e-12, "{off:e}");
+    // The curve of one material for the other's is noticed, and so is one that goes on without melting.
+    let mut swapped = problem.clone();
+    let curves = [0, 1].map(|m: usize| problem.materials[m].curve.clone());
+    let [left, right] = curves;
+    (swapped.materials[0].curve, swapped.materials[1].curve) = (right, left);
+    assert!(furthest(&expected, &rates_of(&swapped)) / largest > 1e-3);
+    let mut solid = problem.clone();
+    solid.materials[1].curve = None;
+    assert!(furthest(&expected, &rates_of(&solid)) / largest > 1e-3);
+}
+
+#[test]
+fn auto_takes_a_gpu_where_several_materials_melt() {
+    let scene = in_equal_steps(&melting(), "euler", 1.0, 2);
+    let (report, _) = run_on(&scene, &on_gpu(Precision::F64), PathWish::Auto);
+    assert_eq!((report.path, report.backend), ("list".into(), "gpu".into()));
+}
