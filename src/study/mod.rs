@@ -4,6 +4,7 @@
 mod bench;
 mod memory;
 mod pictures;
+mod prepare;
 mod recorder;
 mod run;
 mod stability;
@@ -11,8 +12,7 @@ mod stagnated;
 mod sweep;
 
 pub use bench::{BenchOptions, BenchOutcome, BenchProgress, LEAST_SIZE, bench};
-pub use run::{
-    Driver, Operator, Outcome, Prepared, RunError, RunOptions, lattice_walls, prepare, run, start,
-};
+pub use prepare::{Driver, Operator, Prepared, lattice_walls, prepare, start};
+pub use run::{Outcome, RunError, RunOptions, run};
 pub use stability::{StabilityOptions, StabilityOutcome, StabilityProgress, Tampering, stability};
 pub use sweep::{StudyError, StudyOptions, StudyProgress, Vary, study, study_machine};

@@ -1,6 +1,6 @@
 //! What a run that stands still is short of.
 
-use super::run::{Driver, Prepared, start};
+use super::prepare::{Driver, Prepared, start};
 use crate::model::operator::FoldNeeds;
 use crate::model::{Problem, StepChoice};
 use crate::solver::{

@@ -7,7 +7,7 @@ use super::{Bench, Progressing};
 use crate::model::Problem;
 use crate::report::bench::Measurement;
 use crate::solver::{Backend, Limits, PathChoice, SolverError, Timing};
-use crate::study::run::{Driver, Prepared, start};
+use crate::study::prepare::{Driver, Prepared, start};
 
 impl Bench<'_> {
     /// Measures a series on `problem`, which took `build_s` (s) to build; one that cannot be had

@@ -7,7 +7,7 @@ use crate::model::stability::ReportBounds;
 use crate::model::{Problem, StepChoice};
 use crate::report::stability::{Check, GrowthPoint, StepScan};
 use crate::solver::{Backend, Machine, PathChoice, PathWish, SolverError};
-use crate::study::run::{Driver, Prepared, start};
+use crate::study::prepare::{Driver, Prepared, start};
 
 /// Steps over the limit that are scanned lie between these.
 const RANGE: [f64; 2] = [0.2, 3.0];

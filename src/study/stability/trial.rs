@@ -11,7 +11,7 @@ use crate::solver::{
     Backend, Machine, Observer, PathChoice, PathWish, Progress, SolverError, Stepper, Taken,
     advance,
 };
-use crate::study::run::{Driver, Prepared, start};
+use crate::study::prepare::{Driver, Prepared, start};
 
 /// Who may stop a run.
 pub(super) type Watch<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
