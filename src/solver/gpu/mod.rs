@@ -6,6 +6,7 @@
 //! reading back.
 
 mod backend;
+mod choices;
 pub mod curve_passes;
 mod enthalpy;
 pub mod lattice;
