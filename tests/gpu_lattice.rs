@@ -1,7 +1,6 @@
 //! Lattices on the GPU against the list path of the CPU: rates, fields, exchange, parts.
 
 use diffusph::model::lattice::LatticeScene;
-use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Problem};
 use diffusph::solver::cpu::CpuBackend;
 use diffusph::solver::gpu::{GpuBackend, GpuOptions};
@@ -9,54 +8,23 @@ use diffusph::solver::{Backend, Precision};
 use diffusph::study;
 use serde_json::{Value, json};
 
+use bounds::{STEPS, allowed, furthest, roundings, step};
 use scenes::{COUNTS, boundaries, difference, scene, without_far_bodies};
-use support::{device, epsilon};
+use support::device;
 
+#[path = "gpu_lattice/bounds.rs"]
+mod bounds;
 #[path = "lattice_path/scenes.rs"]
 mod scenes;
 #[expect(dead_code, reason = "the tests of the passes use the rest")]
 #[path = "gpu_passes/support.rs"]
 mod support;
 
-/// Steps of a run: more than the device holds changing sources for at once.
-const STEPS: u64 = 70;
-
-/// The stable step, s, and the most neighbours.
-fn step(problem: &Problem) -> (f64, usize) {
-    let survey = survey(problem, &cell_grid(problem));
-    (0.9 / survey.rate_bound, survey.most_neighbors)
-}
-
 fn gpu(problem: &Problem, options: GpuOptions) -> GpuBackend {
     let scene = LatticeScene::of(problem).expect("a lattice");
     let (walls, _) = study::lattice_walls(problem, &scene).expect("good walls");
     let (dt, _) = step(problem);
     GpuBackend::lattice(problem, &scene, walls, dt, device(), options).expect("backend")
-}
-
-/// What two machines may differ by in the field and in the exchange over the total, after some
-/// steps: a step is a mean of old values, so that roundings add up and do not grow.
-fn allowed(problem: &Problem, precision: Precision) -> f64 {
-    let (_, neighbors) = step(problem);
-    match precision {
-        // The list and the lattice are to agree as they do on the CPU.
-        Precision::F64 => 1e-13,
-        // Differences between neighbours are at most a fifth of the values.
-        Precision::F32 | Precision::Compensated => {
-            (8.0 + neighbors as f64 / 4.0) * STEPS as f64 * epsilon(precision)
-        }
-    }
-}
-
-/// What two rates may differ by over what a value changes by in the longest step that is stable.
-fn roundings(problem: &Problem, precision: Precision) -> f64 {
-    let (_, neighbors) = step(problem);
-    (2 * (neighbors + 64)) as f64 * epsilon(precision)
-}
-
-/// The largest difference of two rates.
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// How far rates, fields and exchange are apart, each over what is allowed.

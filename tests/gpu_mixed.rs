@@ -3,7 +3,6 @@
 
 use diffusph::case::Scene;
 use diffusph::model::lattice::MixedScene;
-use diffusph::model::operator::rows::{cell_grid, survey};
 use diffusph::model::{KernelKind, Problem};
 use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
@@ -14,9 +13,12 @@ use diffusph::study::{self, RunOptions};
 use serde_json::json;
 use std::ops::ControlFlow;
 
+use bounds::{STEPS, allowed, furthest, roundings, step};
 use scenes::{COUNTS, ball, cut, faces, part, problems, scene};
-use support::{device, epsilon};
+use support::device;
 
+#[path = "gpu_lattice/bounds.rs"]
+mod bounds;
 #[expect(dead_code, reason = "the tests of the plain lattice use the rest")]
 #[path = "lattice_path/scenes.rs"]
 mod boxes;
@@ -26,38 +28,10 @@ mod scenes;
 #[path = "gpu_passes/support.rs"]
 mod support;
 
-/// Steps of a run: more than the device holds changing sources for at once.
-const STEPS: u64 = 70;
-
-/// The stable step, s, and the most neighbours.
-fn step(problem: &Problem) -> (f64, usize) {
-    let survey = survey(problem, &cell_grid(problem));
-    (0.9 / survey.rate_bound, survey.most_neighbors)
-}
-
 fn gpu(problem: &Problem, options: GpuOptions) -> GpuBackend {
     let scene = MixedScene::of(problem).expect("a lattice in part");
     let (_, rows) = scene.assemble(problem);
     GpuBackend::mixed(problem, &scene, &rows, step(problem).0, device(), options).expect("backend")
-}
-
-/// What two machines may differ by in the field and in the exchange over the total, after some steps: a step
-/// is a mean of old values, so that roundings add up and do not grow.
-fn allowed(problem: &Problem, precision: Precision) -> f64 {
-    let (_, neighbors) = step(problem);
-    match precision {
-        Precision::F64 => 1e-13,
-        // Differences between neighbours are at most a fifth of the values.
-        Precision::F32 | Precision::Compensated => {
-            (8.0 + neighbors as f64 / 4.0) * STEPS as f64 * epsilon(precision)
-        }
-    }
-}
-
-/// The largest difference of two fields.
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// What a backend makes of a problem.
@@ -78,14 +52,13 @@ fn made<B: Backend>(problem: &Problem, backend: &mut B) -> Made {
 
 /// How far rates, fields and exchange are apart, each over what is allowed.
 fn apart(problem: &Problem, a: &Made, b: &Made, precision: Precision) -> [f64; 3] {
-    let (dt, neighbors) = step(problem);
+    let (dt, _) = step(problem);
     // Two machines, and up to four roundings of a term, which is a weight times up to twice 310.
     let terms = 620.0 / dt + a.rates.iter().fold(0.0, |m: f64, rate| m.max(rate.abs()));
-    let roundings = (2 * (neighbors + 64)) as f64 * epsilon(precision);
     let total: f64 = problem.capacities().iter().sum::<f64>() * 300.0;
     let allowed = allowed(problem, precision);
     [
-        furthest(&a.rates, &b.rates) / (roundings * terms),
+        furthest(&a.rates, &b.rates) / (roundings(problem, precision) * terms),
         furthest(&a.field, &b.field) / 310.0 / allowed,
         (a.exchange - b.exchange).abs() / total / allowed,
     ]

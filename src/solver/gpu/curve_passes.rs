@@ -72,7 +72,7 @@ impl CurvePasses {
 impl SeamPasses {
     /// Adds what the matrix is short of to a step of potentials.
     pub fn step(self) -> PassSource {
-        let mut source = self.on_rows("seam_step", "seams/of_state", "seams/exchange");
+        let mut source = self.on_rows("seams/of_state", "seams/to_step", "seams/exchange");
         if self.held {
             source.bindings.push(write("exchange", Element::Real2));
         }
@@ -81,7 +81,7 @@ impl SeamPasses {
 
     /// The same for rates.
     pub fn rate(self) -> PassSource {
-        self.on_rows("seam_rate", "seams/of_state", "seams/no_held")
+        self.on_rows("seams/of_state", "seams/to_rate", "seams/no_held")
     }
 
     /// The same for a vector of rates.
@@ -102,7 +102,7 @@ impl SeamPasses {
     }
 
     fn combined(self, of: &'static str) -> PassSource {
-        let mut source = self.on_rows("seam_combine", of, "seams/given");
+        let mut source = self.on_rows(of, "seams/to_vector", "seams/given");
         source.bindings.push(block("factors", &COMBINATION));
         if self.held {
             source.bindings.push(write("given", value(self.precision)));
@@ -110,7 +110,7 @@ impl SeamPasses {
         source
     }
 
-    fn on_rows(self, pass: &'static str, of: &'static str, held: &'static str) -> PassSource {
+    fn on_rows(self, of: &str, to: &str, held: &str) -> PassSource {
         let value = value(self.precision);
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
         bindings.extend(of_curves(true));
@@ -124,8 +124,8 @@ impl SeamPasses {
         ]);
         let held = if self.held { held } else { "seams/no_held" };
         let mean = format!("operator/{}", self.pair_mean.name());
-        let slots = ["curve/each", "curve/segments", &mean, "seams/rows", of, held];
-        source(self.precision, self.workgroup_size, pass, bindings, &slots)
+        let slots = ["curve/each", "curve/segments", &mean, "seams/rows", of, to, held];
+        source(self.precision, self.workgroup_size, "seam", bindings, &slots)
     }
 }
 

@@ -1,7 +1,7 @@
-// The same for a vector of rates.
+// Adds what the matrix is short of where materials meet, in the share of `seam_share`.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn seam_combine(
+fn seam(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
@@ -11,7 +11,7 @@ fn seam_combine(
         return;
     }
     let row = seam_row[index];
-    let increment = factors.scale * shortage(row);
+    let increment = seam_share() * shortage(row);
     if row.w == NO_SLOT {
         after[row.x] = advanced(after[row.x], increment);
     } else {

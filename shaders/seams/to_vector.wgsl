@@ -1,0 +1,6 @@
+// To a vector of rates.
+
+fn seam_share() -> real {
+    return factors.scale;
+}
+
