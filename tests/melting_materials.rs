@@ -3,6 +3,7 @@
 #[expect(dead_code, reason = "these scenes are no shipped cases")]
 #[path = "cases/support.rs"]
 mod cases;
+#[expect(dead_code, reason = "the tests of one material use the rest")]
 #[path = "melting/support.rs"]
 mod support;
 

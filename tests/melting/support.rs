@@ -6,6 +6,9 @@ use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision};
 use diffusph::study::{self, Outcome, RunOptions};
+use serde_json::{Value, json};
+
+use super::cases::load;
 
 use passes::device;
 
@@ -27,4 +30,14 @@ pub(crate) fn run_on(scene: &Scene, machine: &Machine, path: PathWish) -> (RunRe
 
 pub(crate) fn on_gpu(precision: Precision) -> Machine {
     Machine::Gpu { device: device().clone(), precision }
+}
+
+pub(crate) fn run(scene: &Scene) -> (RunReport, Vec<f64>) {
+    run_on(scene, &Machine::Cpu, PathWish::Auto)
+}
+
+/// The same case straight to its steady state.
+pub(crate) fn steady(mut case: Value) -> Scene {
+    case["time"] = json!({ "end": 1, "method": "steady", "linear_tolerance": 1e-13 });
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
 }
