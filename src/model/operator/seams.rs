@@ -52,7 +52,7 @@ struct SeamRow {
 impl Seams {
     /// Those of `problem`, with the place of each particle; `None` where there are none.
     pub fn of(problem: &Problem, place: &[u32]) -> Option<Self> {
-        if !problem.has_curves() {
+        if problem.has_one_curve() {
             return None;
         }
         let grid = cell_grid(problem);

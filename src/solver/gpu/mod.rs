@@ -50,6 +50,10 @@ pub use vector::GpuVector;
 use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
 
+/// Why a scene takes the list on a device where several materials meet of which one has a curve.
+pub(super) const SEVERAL_CURVES: &str =
+    "several materials, of which one melts or conducts as its temperature";
+
 /// How a scene is put on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GpuOptions {
@@ -186,19 +190,15 @@ impl GpuBackend {
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
         let curves = Curves::of(problem, Some(&order));
-        let seam_passes = SeamPasses {
+        let passes = SeamPasses {
             precision: options.precision,
             workgroup_size: options.workgroup_size,
             pair_mean: problem.pair_mean,
             held: !rows.is_empty(),
         };
-        let seams = match &curves {
-            Some(curves) => {
-                let step = scaling.step;
-                DeviceSeams::new(device, problem, curves, &order, &rows, step, seam_passes)?
-            }
-            None => None,
-        };
+        let of_curves =
+            |curves| DeviceSeams::new(device, problem, curves, &order, &rows, scaling.step, passes);
+        let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
         let heat = (curves.as_ref(), seams);
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
@@ -269,6 +269,9 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
+        if !problem.has_one_curve() {
+            return Err(SolverError::NoLattice { why: SEVERAL_CURVES });
+        }
         let real = options.precision.real();
         device.require(real)?;
         let Beside { held, walls, .. } = beside;
@@ -287,7 +290,6 @@ impl GpuBackend {
         let nothing = if problem.has_curves() { problem.initial[0] } else { 0.0 };
         let initial = by_place(order, &problem.initial, nothing);
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
-        // A scene of several curves takes the list.
         let curves = Curves::of(problem, order);
         let heat = (curves.as_ref(), None);
         Ok(Self {
