@@ -27,7 +27,7 @@ fn edge_difference(at: vec3<u32>, step: vec3<i32>, own: Value) -> Value {
     let y = along(at.y, step.y, NY, 1u, PERIODIC_Y);
     let z = along(at.z, step.z, NZ, 2u, PERIODIC_Z);
     let site = (z.index * NY + y.index) * NX + x.index;
-    let factor = x.factor * y.factor * z.factor;
-    return difference(site, factor, x.exists && y.exists && z.exists, own);
+    let excess = joined(joined(x.excess, y.excess), z.excess);
+    return difference(site, excess, x.exists && y.exists && z.exists, own);
 }
 

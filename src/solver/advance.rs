@@ -197,7 +197,10 @@ impl Run<'_> {
             since_saved += elapsed;
             since_look += elapsed;
             let time = time_at(self.step);
-            let is_due = since_look >= self.look * LOOK_EVERY || since_saved >= SAVE_EVERY;
+            // Beside so many steps a look costs nothing, however long it takes.
+            let is_due = since_look >= self.look * LOOK_EVERY
+                || since_saved >= SAVE_EVERY
+                || self.step - looked >= LARGEST_CHUNK;
             if is_due || self.step == end {
                 let clock = Instant::now();
                 if !backend.is_finite()? {

@@ -29,8 +29,8 @@ pub use source::{PART, StencilSource};
 pub(super) struct Lattice {
     source: StencilSource,
     parts: Vec<Part>,
-    /// Factors of ghosts, by end and layer.
-    edge_factor: Buffer,
+    /// What ghosts have more than their sources, in parts of these, by end and layer.
+    ghost_excess: Buffer,
     /// Sites to each neighbour, and its weight; only where they are not written out.
     entry: Option<[Buffer; 2]>,
     /// Only where sites differ.
@@ -111,7 +111,7 @@ impl Lattice {
         let part = |k: usize| Part::new(device, real, &parts, k, &exceptions);
         Ok(Self {
             parts: (0..parts.len()).map(part).collect::<Result<_, _>>()?,
-            edge_factor: device.storage_with("ghosts", &real.to_bytes(&edge_factors(scene)))?,
+            ghost_excess: device.storage_with("ghosts", &real.to_bytes(&ghost_excess(scene)))?,
             entry: entry_buffers(device, &source)?,
             kinds,
             rows,
@@ -173,7 +173,7 @@ impl Lattice {
                 buffers.extend(part.beside.map(|other| &fields.from[other]));
             }
         }
-        buffers.extend([&fields.to[k], fields.step_size, &self.edge_factor]);
+        buffers.extend([&fields.to[k], fields.step_size, &self.ghost_excess]);
         buffers.extend(self.entry.iter().flatten());
         buffers.extend(self.kinds.iter().flat_map(|kinds| [&kinds.kind, &kinds.factor]));
         if sites == Sites::Exceptions {
@@ -196,7 +196,7 @@ impl Lattice {
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
         let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
-        let others = self.entry.iter().flatten().chain(&self.exception).chain([&self.edge_factor]);
+        let others = self.entry.iter().flatten().chain(&self.exception).chain([&self.ghost_excess]);
         let kinds = self.kinds.as_ref().map_or(0, Kinds::bytes);
         let rows = self.rows.as_ref().map_or(0, Rows::bytes);
         others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows
@@ -293,12 +293,12 @@ pub(super) fn exceptions(held: &[u32], walls: &[u32], stored: &[(u32, u32)]) -> 
     list
 }
 
-/// The factor of every layer of ghosts, by end; 0 where there are none.
-fn edge_factors(scene: &LatticeScene) -> Vec<f64> {
+/// What every layer of ghosts has more than its source, in parts of that, by end; 0 where there are none.
+fn ghost_excess(scene: &LatticeScene) -> Vec<f64> {
     let none = || vec![0.0; scene.reach];
     let of_end = |end: &End| match end {
         End::Free => none(),
-        End::Mirror(factors) => factors.clone(),
+        End::Mirror(factors) => factors.iter().map(|factor| factor - 1.0).collect(),
     };
     let of_edge = |edge: &Edge| match edge {
         Edge::Periodic => [none(), none()],

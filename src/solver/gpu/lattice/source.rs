@@ -106,7 +106,7 @@ impl StencilSource {
         bindings.extend([
             write("after", value(self.precision)),
             block("step_size", &STEP_SIZE),
-            read("edge_factor", Element::Real),
+            read("ghost_excess", Element::Real),
         ]);
         let mut slots = arithmetic(self.precision).to_vec();
         slots.extend([state, "lattice/site"]);
@@ -268,7 +268,7 @@ impl StencilSource {
             let [x, y, z] = [0, 1, 2].map(|axis| place(axis, steps[axis]));
             format!(
                 "difference(({z}.index * NY + {y}.index) * NX + {x}.index, \
-                 {x}.factor * {y}.factor * {z}.factor, \
+                 joined(joined({x}.excess, {y}.excess), {z}.excess), \
                  {x}.exists && {y}.exists && {z}.exists, own)"
             )
         };
