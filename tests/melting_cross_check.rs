@@ -135,7 +135,7 @@ fn three_bars_in_a_row_agree_in_every_precision_by_list_and_matrix_free() {
 
 #[test]
 fn three_bars_in_the_plane_agree() {
-    agrees(2, &[Precision::F64, Precision::Compensated]);
+    agrees(2, &[Precision::F64]);
 }
 
 /// Rates of `problem` on the GPU, K/s.
