@@ -4,20 +4,22 @@
 #[expect(dead_code, reason = "these scenes are no shipped cases")]
 #[path = "cases/support.rs"]
 mod cases;
+#[path = "melting/fields.rs"]
+mod fields;
 #[expect(dead_code, reason = "the tests of one material use the rest")]
 #[path = "melting/support.rs"]
 mod support;
 
 use diffusph::case::Scene;
 use diffusph::model::Problem;
-use diffusph::report::run::RunReport;
 use diffusph::solver::cpu::CpuBackend;
 use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use serde_json::{Value, json};
 
 use cases::load;
-use support::{on_gpu, run_on};
+use fields::{furthest, temperatures};
+use support::on_gpu;
 
 /// About half of the longest step that explicit Euler may take in 1-D, and that in 2-D, s.
 const STEP: f64 = 0.01;
@@ -84,18 +86,6 @@ fn melting(
         case["time"]["linear_tolerance"] = json!(1e-12);
     }
     scene(&case)
-}
-
-/// The largest difference of two fields.
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
-/// The report of a run, and temperatures at its end.
-fn temperatures(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
-    let (report, state) = run_on(scene, machine, path);
-    (report, scene.problem.values(&state).into_owned())
 }
 
 /// How far temperatures may be off the CPU's (K), and how far energy from closing: some hundred steps of 1e-16

@@ -3,29 +3,19 @@
 #[expect(dead_code, reason = "these scenes are no shipped cases")]
 #[path = "cases/support.rs"]
 mod cases;
+#[path = "melting/fields.rs"]
+mod fields;
 #[expect(dead_code, reason = "the tests of one material use the rest")]
 #[path = "melting/support.rs"]
 mod support;
 
 use diffusph::case::Scene;
-use diffusph::report::run::RunReport;
 use diffusph::solver::{Machine, PathWish, Precision};
 use serde_json::{Value, json};
 
 use cases::load;
+use fields::{furthest, temperatures};
 use support::{on_gpu, run_on};
-
-/// The largest difference of two fields.
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
-/// The report of a run, and temperatures at its end.
-fn temperatures(scene: &Scene, machine: &Machine, path: PathWish) -> (RunReport, Vec<f64>) {
-    let (report, state) = run_on(scene, machine, path);
-    (report, scene.problem.values(&state).into_owned())
-}
 
 /// Two bars of conductivities 3 and 10 that touch, the right one as given.
 fn bars(right: &Value, method: &str) -> Value {

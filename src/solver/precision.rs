@@ -74,8 +74,8 @@ impl Precision {
 
     /// The words of a state's value.
     pub(super) fn state_words(self, value: f64) -> impl Iterator<Item = f64> {
-        let first = if self.words() == 1 { value } else { f64::from(value as f32) };
-        [first, value - first].into_iter().take(self.words())
+        let words = if self.words() == 1 { [value, 0.0] } else { two_words(value) };
+        words.into_iter().take(self.words())
     }
 
     /// The inverse of [`Precision::state_to_bytes`].
@@ -86,6 +86,12 @@ impl Precision {
             words => numbers.chunks_exact(words).map(|words| words.iter().sum()).collect(),
         }
     }
+}
+
+/// A number as the sum of one of f32 and of what that leaves.
+pub(super) fn two_words(number: f64) -> [f64; 2] {
+    let first = f64::from(number as f32);
+    [first, number - first]
 }
 
 #[cfg(test)]

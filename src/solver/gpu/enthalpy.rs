@@ -3,8 +3,9 @@
 use super::curve_passes::CurvePasses;
 use crate::gpu::{Buffer, Device, GpuError, Pass};
 use crate::model::material::Segment;
-use crate::model::{Conductivity, HeatCurve, Problem};
+use crate::model::{Conductivity, HeatCurve, Material, Problem};
 use crate::solver::Precision;
+use crate::solver::precision::two_words;
 
 /// The curves that enthalpies follow.
 #[derive(Debug)]
@@ -25,7 +26,7 @@ impl Curves {
             return problem.curve(0).cloned().map(Self::One);
         }
         // What neither melts nor changes has a straight curve.
-        let curve = |material: &crate::model::Material| match &material.curve {
+        let curve = |material: &Material| match &material.curve {
             Some(curve) => HeatCurve::clone(curve),
             None => {
                 let conductivity = Conductivity::constant(material.conductivity);
@@ -141,19 +142,13 @@ impl Enthalpy {
     }
 }
 
-/// A number as the sum of two words.
-pub(super) fn words(number: f64) -> [f64; 2] {
-    let first = f64::from(number as f32);
-    [first, number - first]
-}
-
 /// Two vectors for each segment: see `shaders/curve/segments.wgsl`.
 fn table(curves: &Curves) -> Vec<f64> {
     let scale = 1.0 / curves.largest_reference();
     let segments = |curve: &HeatCurve| {
         let of = |segment: &Segment| {
-            let [start, rest] = words(segment.start);
-            let [potential, of_potential] = words(segment.potential);
+            let [start, rest] = two_words(segment.start);
+            let [potential, of_potential] = two_words(segment.potential);
             let [conductivity, rise] = curve.conductivity_of(segment).map(|k| scale * k);
             let Segment { slope, bend, .. } = *segment;
             [start, rest, potential, of_potential, slope, bend, conductivity, rise]

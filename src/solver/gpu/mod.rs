@@ -229,7 +229,7 @@ impl GpuBackend {
         let material = problem.particles.material.first().map_or(0, |&m| usize::from(m));
         let step = reference_step(problem, dt, problem.materials[material].diffusivity());
         let held = scene.held_sites(&problem.held);
-        let among_held = lattice::rates_among_held(problem, scene, &held);
+        let among_held = scene.rates_among_held(&held, &problem.potentials(&problem.initial));
         let walls = walls.beside_stencil(&[]);
         let beside = Beside { held: &held, walls: &walls, mixed: None };
         Self::on_sites(problem, scene, beside, &among_held, step, device, options)

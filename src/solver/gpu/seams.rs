@@ -1,11 +1,12 @@
 //! Where materials meet of which one's conductivity depends on temperature, or which melts, on the device.
 
 use super::curve_passes::SeamPasses;
-use super::enthalpy::{Curves, Enthalpy, words};
+use super::enthalpy::{Curves, Enthalpy};
 use super::passes::NO_SLOT;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::operator::Seams;
 use crate::model::{HeatCurve, Problem};
+use crate::solver::precision::two_words;
 
 /// What the matrix is short of there, row by row: see `shaders/seams/rows.wgsl`.
 #[derive(Debug)]
@@ -141,7 +142,7 @@ impl DeviceSeams {
 /// A vector for each segment: the temperature where it begins, as the sum of two words, and how it rises.
 fn temperatures(curve: &HeatCurve) -> Vec<f64> {
     let of = |segment: &crate::model::material::Segment| {
-        let [temperature, rest] = words(segment.temperature);
+        let [temperature, rest] = two_words(segment.temperature);
         [temperature, rest, segment.warming, 0.0]
     };
     curve.segments().iter().flat_map(of).collect()

@@ -12,7 +12,6 @@ use super::GpuOptions;
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
-use crate::model::Problem;
 use crate::model::lattice::{Edge, End, LatticeScene, MixedScene};
 use crate::model::operator::{FoldNeeds, SomeRows, SourceRows};
 use crate::solver::Precision;
@@ -239,11 +238,6 @@ pub fn step_passes(needs: Needs, rows: bool) -> Vec<&'static str> {
         passes.push("exception_step");
     }
     passes
-}
-
-/// What held particles of a lattice get from each other and from walls, 1/s x value.
-pub(super) fn rates_among_held(problem: &Problem, scene: &LatticeScene, held: &[u32]) -> Vec<f64> {
-    scene.rates_among_held(held, &problem.potentials(&problem.initial))
 }
 
 /// What the exchange of held particles is counted in: for each, what it has given to others, in two
