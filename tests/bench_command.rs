@@ -60,6 +60,7 @@ fn faults(report: &Value) -> Vec<String> {
             let rate = value("updates_per_s");
             let range = value("slowest_updates_per_s")..=value("fastest_updates_per_s");
             expect(rate > 0.0 && range.contains(&rate), at("rate"));
+            let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
             for (each, all, fraction, most) in [
                 ("bytes_per_update", "bytes_per_s", "copy_fraction", "copy_bytes_per_s"),
                 (
@@ -69,7 +70,6 @@ fn faults(report: &Value) -> Vec<String> {
                     "operations_per_s",
                 ),
             ] {
-                let same = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
                 expect(same(value(all), rate * value(each)), at(all));
                 expect(same(value(fraction), value(all) / number(limit, most)), at(fraction));
                 // Small states lie in caches, which are faster than memory, but not that much.
@@ -77,8 +77,15 @@ fn faults(report: &Value) -> Vec<String> {
             }
             let binding = of["bound_by"].as_str().unwrap_or_default();
             let key = format!("{binding}_fraction");
-            let larger = value("copy_fraction").max(value("arithmetic_fraction"));
-            expect(value(&key) == larger && value("limit_fraction") == larger, at("limit"));
+            let read = of["read_fraction"].as_f64();
+            let most = limit["read_bytes_per_s"].as_f64();
+            let expected = most.map(|most| rate * value("read_bytes_per_update") / most);
+            let agrees = read.is_some() == expected.is_some()
+                && read.zip(expected).is_none_or(|(a, b)| same(a, b));
+            expect(agrees, at("read_fraction"));
+            let largest = value("copy_fraction").max(value("arithmetic_fraction"));
+            let largest = largest.max(read.unwrap_or_default());
+            expect(value(&key) == largest && value("limit_fraction") == largest, at("limit"));
             // Two states at least, in f32 at least.
             expect(value("memory_bytes") >= 8.0 * value("particles"), at("memory"));
             expect(value("setup_s") > 0.0 && value("steps") >= 1.0, at("set-up or steps"));
@@ -90,7 +97,7 @@ fn faults(report: &Value) -> Vec<String> {
 #[test]
 fn the_cpu_is_measured_on_both_paths_at_every_size() {
     let report = report(&[&["--backend", "cpu"], &QUICK[..]].concat());
-    assert_eq!((&report["bench_version"], &report["backend"]), (&1.into(), &"cpu".into()));
+    assert_eq!((&report["bench_version"], &report["backend"]), (&2.into(), &"cpu".into()));
     assert_eq!((&report["threads"], &report["adapter"]), (&2.into(), &Value::Null));
     let names: Vec<String> = list(&report, "series").iter().map(name).collect();
     let expected = ["2 2.0", "2 3.0", "3 2.0", "3 3.0"];
@@ -108,9 +115,13 @@ fn the_cpu_is_measured_on_both_paths_at_every_size() {
         assert_eq!(series["path"] == "lattice", bytes == 16.0, "{bytes}");
     }
     assert_eq!(faults(&report), Vec::<String>::new());
-    let mut wrong = report;
-    wrong["series"][3]["measurements"][1]["copy_fraction"] = 0.0.into();
-    assert_eq!(faults(&wrong).len(), 3, "the check notices: {:?}", faults(&wrong));
+    // Beside what a wrong fraction is, it may be the one that binds.
+    for (key, least) in [("copy_fraction", 2), ("read_fraction", 1), ("limit_fraction", 1)] {
+        let mut wrong = report.clone();
+        wrong["series"][3]["measurements"][1][key] = 0.0.into();
+        let found = faults(&wrong);
+        assert!((least..=3).contains(&found.len()), "the check notices {key}: {found:?}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Version of the report's layout; raised whenever a name or a meaning changes.
-pub const BENCH_VERSION: u32 = 1;
+pub const BENCH_VERSION: u32 = 2;
 
 /// Throughput beside what the machine can do at most. Units are SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,8 @@ pub struct LimitReport {
     pub copy_bytes_per_s: f64,
     /// The same on one thread of the CPU; `null` on a GPU.
     pub copy_one_thread_bytes_per_s: Option<f64>,
+    /// Bytes a second in reading an array far larger than caches; `null` on a GPU.
+    pub read_bytes_per_s: Option<f64>,
     /// Operations a second in fused multiplications and additions, which count as two.
     pub operations_per_s: f64,
 }
@@ -90,15 +92,19 @@ pub struct Measurement {
     pub bytes_per_s: f64,
     /// That over what a copy reaches. Above 1 where caches hold the state.
     pub copy_fraction: f64,
+    /// Those of them that are read.
+    pub read_bytes_per_update: f64,
+    /// Updates a second x these over what reading reaches; `null` on a GPU.
+    pub read_fraction: Option<f64>,
     /// Additions, subtractions and multiplications of an update.
     pub operations_per_update: f64,
     /// Updates a second x operations.
     pub operations_per_s: f64,
     /// That over what the processor reaches.
     pub arithmetic_fraction: f64,
-    /// Which of the two limits is the lower one: `copy` or `arithmetic`.
+    /// Which limit is the lowest: `copy`, `read` or `arithmetic`.
     pub bound_by: String,
-    /// Updates a second that the lower limit allows.
+    /// Updates a second that this limit allows.
     pub limit_updates_per_s: f64,
     /// Updates a second over that.
     pub limit_fraction: f64,

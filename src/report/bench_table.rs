@@ -6,13 +6,14 @@ use super::bench::{BenchReport, Growth, LeftOutSize, LimitReport, Measurement, S
 use super::format::{bytes, grouped, significant, wall_time};
 
 /// The columns of a series.
-const COLUMNS: [&str; 10] = [
+const COLUMNS: [&str; 11] = [
     "particles",
     "neighbours",
     "set-up",
     "updates/s",
     "bytes",
     "of copy",
+    "of reading",
     "operations",
     "of arithmetic",
     "of the limit",
@@ -54,13 +55,15 @@ impl Table<'_> {
         let giga = |x: f64| significant(x / 1e9, 3);
         let one = limit.copy_one_thread_bytes_per_s;
         let one = one.map_or_else(String::new, |x| format!(" ({} on one thread)", giga(x)));
+        let read = limit.read_bytes_per_s;
+        let read = read.map_or_else(String::new, |x| format!(", reading {} GB/s", giga(x)));
         let by = self.0.instructions.as_ref();
         let by = by.map_or_else(String::new, |name| format!(" ({name})"));
         let (copy, operations) = (giga(limit.copy_bytes_per_s), giga(limit.operations_per_s));
         let precision = &limit.precision;
         writeln!(
             f,
-            "limits in {precision}: copy {copy} GB/s{one}, arithmetic {operations} GFLOP/s{by}"
+            "limits in {precision}: copy {copy} GB/s{one}{read}, arithmetic {operations} GFLOP/s{by}"
         )
     }
 }
@@ -92,6 +95,7 @@ fn row(m: &Measurement) -> [String; COLUMNS.len()] {
         updates(m),
         significant(m.bytes_per_update, 3),
         percent(m.copy_fraction),
+        m.read_fraction.map_or_else(|| "-".to_owned(), percent),
         significant(m.operations_per_update, 3),
         percent(m.arithmetic_fraction),
         format!("{} ({})", percent(m.limit_fraction), m.bound_by),
@@ -161,6 +165,8 @@ mod tests {
             fastest_updates_per_s: 3.5e8,
             bytes_per_update: 16.0,
             copy_fraction: 0.301,
+            read_bytes_per_update: 8.0,
+            read_fraction: Some(0.25),
             operations_per_update: 31.0,
             arithmetic_fraction: 0.0512,
             bound_by: "copy".to_owned(),
@@ -178,6 +184,7 @@ mod tests {
             precision: "f64".to_owned(),
             copy_bytes_per_s: 18.4e9,
             copy_one_thread_bytes_per_s: Some(9.31e9),
+            read_bytes_per_s: Some(12.3e9),
             operations_per_s: 80e9,
         };
         let [path, precision] = ["lattice", "f64"].map(str::to_owned);
@@ -215,9 +222,9 @@ mod tests {
         let text = report().table();
         for part in [
             "diffusph 1.2.3, cpu, 2 threads\n",
-            "limits in f64: copy 18.4 GB/s (9.31 on one thread), arithmetic 80 GFLOP/s (AVX2 and FMA)\n",
+            "limits in f64: copy 18.4 GB/s (9.31 on one thread), reading 12.3 GB/s, arithmetic 80 GFLOP/s (AVX2 and FMA)\n",
             "\nlattice, f64, 3-D, H/dx 2\n",
-            "  1 000 000        25.5   32 ms  3.46e8 ± 3 %     16     30 %  ",
+            "  1 000 000        25.5   32 ms  3.46e8 ± 3 %     16     30 %        25 %  ",
             "          5.1 %   30 % (copy)   16 MB\n",
             "  time grows as N^1.031 over 4 sizes from 1e5; 91 % of the rate at 1e6 at the largest\n",
             "\nleft out\n  lattice, f64, 3-D, H/dx 2, 1e8: no room\n",

@@ -9,10 +9,20 @@ use rayon::prelude::*;
 use super::Limits;
 #[cfg(target_arch = "x86_64")]
 use crate::model::wide::has_wide_vectors;
+use crate::model::wide::{self, Work, prefetch};
 use crate::solver::Timing;
 
 /// The largest array that is copied, bytes: far more than any cache holds.
 const MOST_COPIED: u64 = 512 << 20;
+
+/// Values of a line of a cache.
+const LINE: usize = 8;
+
+/// Places that a thread reads from side by side.
+const STREAMS: usize = 4;
+
+/// Lines ahead of the one at hand that are fetched: a page, as rows of a matrix do.
+const AHEAD: usize = 64 * LINE;
 
 /// Chains that a thread works on where vectors are wide: enough for every unit to have one to go on
 /// with, and as many as registers hold.
@@ -35,7 +45,12 @@ pub(super) fn measure(least: Duration, most: u64) -> Limits {
     let threads = rayon::current_num_threads();
     let computed = (threads * chain_count() * OPERATIONS) as f64 * LINKS as f64;
     let (copy, copy_one_thread) = copy(least, most, threads);
-    Limits { copy, copy_one_thread: Some(copy_one_thread), arithmetic: computed / compute(least) }
+    Limits {
+        copy,
+        copy_one_thread: Some(copy_one_thread),
+        read: Some(read(least, most, threads)),
+        arithmetic: computed / compute(least),
+    }
 }
 
 /// The instructions that the stencil and the chains are made of, chosen at run time.
@@ -48,8 +63,8 @@ pub fn instructions() -> &'static str {
 
 /// Bytes a second on as many threads as are best, and on one.
 fn copy(least: Duration, most: u64, threads: usize) -> (f64, f64) {
-    let length = (most.min(MOST_COPIED) / 8).max(1) as usize;
-    let before: Vec<f64> = (0..length).into_par_iter().map(|i| i as f64).collect();
+    let before = numbers(most);
+    let length = before.len();
     let mut after = vec![0.0; length];
     // A piece a thread: a system's own copy passes caches by where a piece is large.
     let piece = length.div_ceil(threads);
@@ -64,6 +79,46 @@ fn copy(least: Duration, most: u64, threads: usize) -> (f64, f64) {
     let bytes = 16.0 * length as f64;
     // One thread may be as fast as all: then so is the machine.
     (bytes / everywhere.min(on_one), bytes / on_one)
+}
+
+/// Bytes a second on every thread.
+fn read(least: Duration, most: u64, threads: usize) -> f64 {
+    let values = numbers(most);
+    let piece = values.len().div_ceil(threads);
+    let sum = |piece: &[f64]| wide::run(Sum(black_box(piece)));
+    let seconds = timed(least, || {
+        black_box(values.par_chunks(piece).map(sum).sum::<f64>());
+    });
+    8.0 * values.len() as f64 / seconds
+}
+
+/// 0, 1, 2 and so on in `most` bytes, within reason.
+fn numbers(most: u64) -> Vec<f64> {
+    let length = (most.min(MOST_COPIED) / 8).max(1) as usize;
+    (0..length).into_par_iter().map(|i| i as f64).collect()
+}
+
+/// The sum of values, each of which is read once.
+struct Sum<'a>(&'a [f64]);
+
+impl Work for Sum<'_> {
+    type Output = f64;
+
+    /// From several places at a time, which is faster than from one.
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> f64 {
+        let part = self.0.len() / STREAMS / LINE * LINE;
+        let (parts, rest) = self.0.split_at(STREAMS * part);
+        let mut sums = [[0.0; LINE]; STREAMS];
+        for first in (0..part).step_by(LINE) {
+            for (stream, sums) in sums.iter_mut().enumerate() {
+                let line = &parts[stream * part + first..][..LINE];
+                prefetch(line.as_ptr().wrapping_add(AHEAD));
+                sums.iter_mut().zip(line).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        sums.as_flattened().iter().chain(rest).sum()
+    }
 }
 
 /// Seconds that [`LINKS`] links take on every thread at once.
@@ -161,10 +216,20 @@ mod tests {
     }
 
     #[test]
+    fn every_value_is_read() {
+        for length in [0_u32, 1, 31, 32, 33, 100, 1000] {
+            let values: Vec<f64> = (0..length).map(f64::from).collect();
+            let all = f64::from(length) * (f64::from(length) - 1.0) / 2.0;
+            assert_eq!(wide::run(Sum(&values)), all.max(0.0));
+        }
+    }
+
+    #[test]
     fn limits_are_those_of_a_computer() {
         let limits = measure(Duration::from_millis(5), 1 << 22);
         let one = limits.copy_one_thread.expect("a CPU has threads");
-        assert!(limits.copy > 1e7 && one > 1e7, "{limits:?}");
+        let read = limits.read.expect("a CPU reads");
+        assert!(limits.copy > 1e7 && one > 1e7 && read > 1e7, "{limits:?}");
         // No processor does a hundred operations a tick of 10 GHz.
         let most = 1e12 * rayon::current_num_threads() as f64;
         assert!((1e7..most).contains(&limits.arithmetic), "{limits:?}");

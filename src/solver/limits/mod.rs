@@ -1,5 +1,5 @@
-//! What a machine can do at most, measured: how fast it copies, and how fast it multiplies and
-//! adds. Every run is bounded by one of the two.
+//! What a machine can do at most, measured: how fast it copies, how fast it reads, and how fast it multiplies
+//! and adds. Every run is bounded by one of these.
 
 mod cpu;
 
@@ -25,6 +25,9 @@ pub struct Limits {
     pub copy: f64,
     /// The same on one thread, where there are threads.
     pub copy_one_thread: Option<f64>,
+    /// Bytes a second in reading an array far larger than caches, where that was measured: a processor may
+    /// write past its caches at the side of reading, so that it moves more in a copy than it can read.
+    pub read: Option<f64>,
     /// Operations a second in chains of fused multiplications and additions, which count as two.
     pub arithmetic: f64,
 }
@@ -56,6 +59,7 @@ fn of_device(
     Ok(Limits {
         copy: copy.amount() as f64 / copying.best(),
         copy_one_thread: None,
+        read: None,
         arithmetic: arithmetic.amount() as f64 / computing.best(),
     })
 }

@@ -25,6 +25,8 @@ pub(super) enum Sum {
 pub(super) struct Cost {
     /// Bytes that have to come from memory or go there.
     pub(super) bytes: f64,
+    /// Those of them that come from there.
+    pub(super) read: f64,
     /// Additions, subtractions and multiplications, of one word where a state has two.
     pub(super) operations: f64,
 }
@@ -55,25 +57,25 @@ impl Cost {
     /// comes from a cache. A candidate takes, along each axis, a difference, a scale and a square that is
     /// added; a neighbour about ten operations for its weight, and three as in a list.
     fn of_search(real: f64, state: f64, neighbors: f64, axes: f64, candidates: f64) -> Self {
-        Self {
-            bytes: axes * real + INDEX + 2.0 * state,
-            operations: 4.0 * axes * candidates + 13.0 * neighbors + EULER,
-        }
+        let operations = 4.0 * axes * candidates + 13.0 * neighbors + EULER;
+        Self::of_reading(axes * real + INDEX + state, state, operations)
     }
 
     /// Of each neighbour its index and its weight, of each row where it begins, and one state read
     /// and one written: a neighbour's value comes from a cache, where an earlier row has left it.
     /// A neighbour takes a difference, a multiplication and an addition.
     fn of_list(real: f64, state: f64, neighbors: f64) -> Self {
-        Self {
-            bytes: neighbors * (INDEX + real) + INDEX + 2.0 * state,
-            operations: 3.0 * neighbors + EULER,
-        }
+        let entries = neighbors * (INDEX + real) + INDEX;
+        Self::of_reading(entries + state, state, 3.0 * neighbors + EULER)
     }
 
     /// One state read and one written: neighbours come from a cache, weights from registers.
     fn of_stencil(state: f64, operations: f64) -> Self {
-        Self { bytes: 2.0 * state, operations: operations + EULER }
+        Self::of_reading(state, state, operations + EULER)
+    }
+
+    fn of_reading(read: f64, written: f64, operations: f64) -> Self {
+        Self { bytes: read + written, read, operations }
     }
 }
 
@@ -141,7 +143,8 @@ mod tests {
     #[test]
     fn a_list_moves_its_entries_and_a_lattice_two_states() {
         let list = cost(PathWish::List, 3, 2.0, 26.0);
-        assert_eq!(list, Cost { bytes: 26.0 * 12.0 + 4.0 + 16.0, operations: 80.0 });
+        assert_eq!(list, Cost::of_reading(26.0 * 12.0 + 4.0 + 8.0, 8.0, 80.0));
+        assert_eq!(list.bytes, 332.0);
         assert!(cost(PathWish::List, 3, 2.0, 27.0).bytes > list.bytes);
         let lattice = cost(PathWish::Lattice, 3, 2.0, 26.0);
         assert_eq!(lattice.bytes, 16.0);
@@ -152,7 +155,7 @@ mod tests {
         let searched = Sum::Searched { dimension: 3, candidates: 216.0 };
         assert_eq!(sum(&scene(1000, 3, 2.0), &PathChoice::MatrixFree(None), device), searched);
         let search = Cost::new(device, 26.0, searched);
-        assert_eq!(search, Cost { bytes: 12.0 + 4.0 + 8.0, operations: 12.0 * 216.0 + 340.0 });
+        assert_eq!(search, Cost::of_reading(12.0 + 4.0 + 4.0, 4.0, 12.0 * 216.0 + 340.0));
     }
 
     #[test]

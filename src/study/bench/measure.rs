@@ -113,8 +113,12 @@ impl Run {
         let rate = updates(self.timing.median());
         let (by_copy, by_arithmetic) =
             (limits.copy / cost.bytes, limits.arithmetic / cost.operations);
-        let bound_by = if by_copy <= by_arithmetic { "copy" } else { "arithmetic" };
-        let limit = by_copy.min(by_arithmetic);
+        let by_read = limits.read.map(|read| read / cost.read);
+        let all = [("copy", Some(by_copy)), ("read", by_read), ("arithmetic", Some(by_arithmetic))];
+        let known = all.into_iter().filter_map(|(name, limit)| Some((name, limit?)));
+        // Of equal ones the first.
+        let lower = |a: (&'static str, f64), b: (&'static str, f64)| if b.1 < a.1 { b } else { a };
+        let (bound_by, limit) = known.fold(("copy", by_copy), lower);
         Measurement {
             size: 0,
             particles: self.particles as u64,
@@ -128,6 +132,8 @@ impl Run {
             bytes_per_update: cost.bytes,
             bytes_per_s: rate * cost.bytes,
             copy_fraction: rate / by_copy,
+            read_bytes_per_update: cost.read,
+            read_fraction: by_read.map(|limit| rate / limit),
             operations_per_update: cost.operations,
             operations_per_s: rate * cost.operations,
             arithmetic_fraction: rate / by_arithmetic,
@@ -144,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lower_of_the_two_limits_binds() {
+    fn the_lowest_of_the_limits_binds() {
         let timing = Timing::of(Duration::ZERO, |_| Ok::<_, ()>(())).expect("nothing fails");
         let seconds = timing.median();
         let run = Run {
@@ -155,12 +161,16 @@ mod tests {
             memory_bytes: 0,
             is_finite: true,
         };
-        let cost = Cost { bytes: 16.0, operations: 32.0 };
-        let with = |arithmetic| {
-            let limits = Limits { copy: 1e9, copy_one_thread: None, arithmetic };
+        let cost = Cost { bytes: 16.0, read: 8.0, operations: 32.0 };
+        let with = |read, arithmetic| {
+            let limits = Limits { copy: 1e9, copy_one_thread: None, read, arithmetic };
             run.against(&limits, cost)
         };
-        let (memory, processor) = (with(3e9), with(1e9));
+        let (memory, processor) = (with(None, 3e9), with(Some(1e9), 1e9));
+        let reading = with(Some(4e8), 3e9);
+        assert_eq!((&*reading.bound_by, reading.limit_updates_per_s), ("read", 5e7));
+        assert_eq!(Some(reading.limit_fraction), reading.read_fraction);
+        assert!(memory.read_fraction.is_none() && reading.copy_fraction < reading.limit_fraction);
         assert_eq!((&*memory.bound_by, memory.limit_updates_per_s), ("copy", 6.25e7));
         assert_eq!((&*processor.bound_by, processor.limit_updates_per_s), ("arithmetic", 3.125e7));
         assert_eq!(memory.updates_per_s, 1000.0 / seconds);

@@ -167,6 +167,7 @@ impl<'a> Bench<'a> {
             precision: precision.name().to_owned(),
             copy_bytes_per_s: limits.copy,
             copy_one_thread_bytes_per_s: limits.copy_one_thread,
+            read_bytes_per_s: limits.read,
             operations_per_s: limits.arithmetic,
         });
         for &dimension in &options.dimensions {
