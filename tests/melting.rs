@@ -30,20 +30,21 @@ fn the_front_of_the_melting_rod_is_neumanns() {
     for n in [50, 100, 200, 400, 800] {
         let (report, _) = run(&melting_rod(n, &[]));
         assert_eq!(report.path, "lattice");
-        // At 50 the front has passed two particles and a half.
-        let most = if n == 50 { 0.11 } else { 0.06 };
-        assert!(off(&report, n).abs() < most, "n = {n}: {} dx", off(&report, n));
+        assert!(off(&report, n).abs() < 0.012, "n = {n}: {} dx", off(&report, n));
         assert!(report.conserved.relative_drift.abs() < 1e-12);
         if n == 800 {
             let front = report.front.expect("it melts");
             assert!((front.exact.expect("exact") - 0.0197790903).abs() < 1e-10);
-            assert!((front.position / 0.0197790903 - 1.0).abs() < 6e-4, "{}", front.position);
+            assert!((front.position / 0.0197790903 - 1.0).abs() < 2e-5, "{}", front.position);
         }
     }
     let (lattice, a) = run(&melting_rod(100, &[]));
     let (list, b) = run_on(&melting_rod(100, &[]), &Machine::Cpu, PathWish::List);
     assert_eq!((&*lattice.path, &*list.path), ("lattice", "list"));
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9));
+    // At 50 the front has passed two particles and a half: what does not know where in a particle it is is late.
+    let (heun, _) = run(&melting_rod(50, &["time.method=heun"]));
+    assert!(off(&heun, 50) < -0.09, "{} dx", off(&heun, 50));
     // Heat that counts twice is noticed.
     let twice = melting_rod(
         200,
@@ -68,10 +69,10 @@ fn other_latent_heats_have_their_fronts() {
 #[test]
 fn temperatures_beside_the_front_are_of_first_order_or_better() {
     let error = |n: u32| run(&melting_rod(n, &[])).0.error.expect("exact").l2_relative;
-    let errors = [50, 100, 200, 400, 800].map(error);
+    let errors = [100, 200, 400, 800, 1600].map(error);
     // What the front's phase in its cell does goes up and down: over four octaves it falls.
     let slope = (errors[0] / errors[4]).log2() / 4.0;
-    assert!(slope > 0.9, "{errors:?}: {slope}");
+    assert!(slope > 1.5, "{errors:?}: {slope}");
 }
 
 #[test]
@@ -358,7 +359,7 @@ fn scenes_that_do_not_melt_pay_nothing() {
     let no_exact = "exact=null";
     let (melting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact]));
     let (conducting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact, plain]));
-    // The enthalpy and the copy of it that a run falls back to.
-    assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16);
+    // The enthalpy, the copy of it that a run falls back to, and the place of the particle that melts.
+    assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16 + 4);
     assert!(conducting.front.is_none());
 }

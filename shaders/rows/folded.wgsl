@@ -14,7 +14,7 @@ fn folded_sum(row: u32) -> real {
     let entries = folded(row);
     var sum = real(0.0);
     for (var entry = entries.y; entry < entries.z; entry++) {
-        sum += fold_weight[entry] * collapsed(before[fold_neighbor[entry]] - before[row]);
+        sum += fold_weight[entry] * collapsed(value_at(fold_neighbor[entry]) - own_value(row));
     }
     return sum;
 }

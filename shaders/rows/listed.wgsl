@@ -8,12 +8,12 @@ fn list_length(row: u32) -> u32 {
 
 // sum_b w_ab (C_b - C_a) over the list of a row: its rate of change, dimensionless in time.
 fn row_sum(row: u32) -> real {
-    let own = before[row];
+    let own = own_value(row);
     let first = slice_start[row / SLICE_ROWS] + row % SLICE_ROWS;
     let end = first + list_length(row) * SLICE_ROWS;
     var sum = real(0.0);
     for (var i = first; i < end; i += SLICE_ROWS) {
-        sum += weight[i] * collapsed(before[neighbor[i]] - own);
+        sum += weight[i] * collapsed(value_at(neighbor[i]) - own);
     }
     return sum;
 }

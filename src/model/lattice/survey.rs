@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{LatticeScene, Site};
+use super::{Edge, LatticeScene, Site};
 use crate::model::Problem;
 use crate::model::operator::rows::Survey;
 
@@ -129,6 +129,55 @@ impl LatticeScene {
             sum += weight * (factor * value - own);
         });
         sum
+    }
+
+    /// Sites from an inner one to its neighbours, with their weights, 1/s,
+    /// ascending.
+    pub fn inner_entries(&self) -> Vec<(isize, f64)> {
+        let [nx, ny, _] = self.counts.map(|count| count as isize);
+        let mut entries = Vec::new();
+        for class in &self.classes {
+            for &[y, z] in &class.lines {
+                let reach = class.weights.len() as isize - 1;
+                let weights = (-reach..=reach).map(|x| (x, class.weights[x.unsigned_abs()]));
+                let others = weights.filter(|&(_, weight)| weight != 0.0);
+                entries.extend(others.map(|(x, weight)| ((z * ny + y) * nx + x, weight)));
+            }
+        }
+        entries.sort_unstable_by_key(|&(step, _)| step);
+        entries
+    }
+
+    /// How many sites a neighbour is away at most, round the ends of the last axis if that is periodic.
+    pub fn longest_step(&self) -> usize {
+        let [nx, ny, _] = self.counts;
+        let strides = [1, nx, nx * ny];
+        let last = self.dimension - 1;
+        let steps = (0..last).map(|axis| match self.edges[axis] {
+            Edge::Periodic => (self.counts[axis] - 1) * strides[axis],
+            Edge::Open(_) => self.reach * strides[axis],
+        });
+        self.reach * strides[last] + steps.sum::<usize>()
+    }
+
+    /// Whether a site is no nearer to an end than the stencil reaches.
+    pub fn is_inner(&self, site: usize) -> bool {
+        let at = self.at(site);
+        (0..self.dimension)
+            .all(|axis| at[axis] >= self.reach && at[axis] + self.reach < self.counts[axis])
+    }
+
+    /// Calls `visit(other, weight)` for every neighbour of a site, with its weight (1/s) and what ghosts of it
+    /// add to that, each by itself.
+    pub fn entries(&self, site: usize, mut visit: impl FnMut(usize, f64)) {
+        let [nx, ny, _] = self.counts;
+        self.for_each(self.at(site), |_, weight, places| {
+            let [x, y, z] = places.map(|place| place.index);
+            let other = (z * ny + y) * nx + x;
+            if other != site {
+                visit(other, weight * places.iter().map(|place| place.factor).product::<f64>());
+            }
+        });
     }
 
     /// The diagonal of the stencil at a site, 1/s, with what mirrors add to it: a function of the site.

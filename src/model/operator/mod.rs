@@ -6,6 +6,7 @@
 
 mod bodies;
 pub mod fold;
+mod fronts;
 mod interfaces;
 mod pair_mean;
 mod row_block;
@@ -17,6 +18,7 @@ mod survey;
 mod weight;
 
 pub use bodies::floating_bodies;
+pub use fronts::{Front, Fronts};
 pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
 pub use seams::{Seam, SeamPair, Seams};

@@ -26,6 +26,8 @@ const SERIAL_ROWS: usize = 16_384;
 pub struct Rows {
     /// The rows of all ranks, block after block.
     blocks: Vec<RowBlock>,
+    /// The first row of each block.
+    first: Vec<usize>,
     /// The rows of held particles in the order of their ranks.
     held: RowBlock,
     /// Ranks of the held particles, ascending.
@@ -59,14 +61,18 @@ pub fn assemble(problem: &Problem, grid: &CellGrid<'_>) -> (Survey, Rows) {
     let mut survey = Survey::EMPTY;
     let mut rows = Rows {
         blocks: Vec::with_capacity(parts.len()),
+        first: Vec::with_capacity(parts.len()),
         held: RowBlock::default(),
         held_rank: Vec::new(),
         walls: SourceRows::default(),
         count: grid.order().len(),
     };
     let mut walls = SourceRowsBuilder::default();
+    let mut first = 0;
     for part in parts {
         survey = survey.merge(part.survey);
+        rows.first.push(first);
+        first += part.free.len();
         rows.blocks.push(part.free);
         rows.held.append(&part.held);
         rows.held_rank.extend(part.held_rank);
@@ -386,6 +392,13 @@ impl Rows {
         }
     }
 
+    /// The neighbours of a row and their weights, 1/s; none of a held particle.
+    pub fn entries(&self, rank: usize) -> (&[u32], &[f64]) {
+        // Blocks without rows begin where the next one does.
+        let block = self.first.partition_point(|&first| first <= rank) - 1;
+        self.blocks[block].entries(rank - self.first[block])
+    }
+
     /// A_aa of every row, 1/s; 0 for held particles.
     pub fn diagonal(&self) -> Vec<f64> {
         let mut diagonal: Vec<f64> = self.blocks.iter().flat_map(RowBlock::diagonals).collect();
@@ -410,7 +423,11 @@ impl Rows {
     pub fn memory_bytes(&self) -> u64 {
         let blocks: usize = self.blocks.iter().map(RowBlock::memory_bytes).sum();
         let walls = self.walls.memory_bytes();
-        (blocks + self.held.memory_bytes() + size_of_val(&*self.held_rank) + walls) as u64
+        (blocks
+            + self.held.memory_bytes()
+            + size_of_val(&*self.held_rank)
+            + walls
+            + size_of_val(&*self.first)) as u64
     }
 }
 

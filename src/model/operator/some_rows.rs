@@ -115,6 +115,14 @@ impl SomeRows {
         })
     }
 
+    /// The neighbours of a stored row and their weights, 1/s, none of a held particle; `None` of a rank that has
+    /// no row.
+    pub fn entries_of(&self, rank: usize) -> Option<(&[u32], &[f64])> {
+        let row = self.rank.binary_search(&(rank as u32)).ok()?;
+        let block = self.first.partition_point(|&first| first <= row) - 1;
+        Some(self.blocks[block].entries(row - self.first[block]))
+    }
+
     /// Ranks of the held particles, ascending.
     pub fn held_rank(&self) -> &[u32] {
         &self.held_rank

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::CHUNK;
+use super::fronts::{Melting, MeltingPlaces};
 use super::operator::CpuOperator;
 use crate::model::material::Segment;
 use crate::model::operator::Seams;
@@ -20,6 +21,8 @@ pub(super) struct Enthalpy {
     curves: Curves,
     /// Where materials meet.
     seams: Option<Seams>,
+    /// What melts, where it does at one temperature.
+    melting: Option<MeltingPlaces>,
 }
 
 /// Which curve each place has.
@@ -56,7 +59,12 @@ impl Enthalpy {
             }
         }
         let seams = Seams::of(problem, &place);
-        Self { values: operator.by_place(&problem.initial), curves, seams }
+        let of = match &curves {
+            Curves::One(..) => None,
+            Curves::Each { of, .. } => Some(&**of),
+        };
+        let melting = MeltingPlaces::new(problem, operator, of);
+        Self { values: operator.by_place(&problem.initial), curves, seams, melting }
     }
 
     /// Whether different materials meet.
@@ -85,15 +93,53 @@ impl Enthalpy {
         &self.values
     }
 
-    /// The curves, and the values to be changed.
-    pub(super) fn parts(&mut self) -> (&Curves, &mut [f64]) {
-        (&self.curves, &mut self.values)
+    /// The curves, what melts, and the values to be changed.
+    pub(super) fn parts(&mut self) -> (&Curves, Option<&MeltingPlaces>, &mut [f64]) {
+        (&self.curves, self.melting.as_ref(), &mut self.values)
+    }
+
+    /// What melts as a step begins; `None` where nothing melts at one temperature.
+    pub(super) fn melting(&mut self) -> Option<Melting> {
+        self.melting.as_mut().map(|melting| melting.melting(&self.values))
+    }
+
+    /// Takes the places that melt after a step, ascending.
+    pub(super) fn set_melting(&mut self, places: Vec<u32>) {
+        if let Some(melting) = &mut self.melting {
+            melting.set(places);
+        }
+    }
+
+    /// Has what melts looked for again.
+    pub(super) fn forget_fronts(&mut self) {
+        if let Some(melting) = &mut self.melting {
+            melting.forget();
+        }
+    }
+
+    /// Adds what flows to and from what melts to the rates `out`, where potentials are `now`; returns what held
+    /// particles give beyond what the operator knows, value x capacity / s.
+    pub(super) fn add_fronts(
+        &self,
+        melting: &Melting,
+        operator: &dyn CpuOperator,
+        now: &[f64],
+        out: &mut [f64],
+    ) -> f64 {
+        let places = self.melting.as_ref();
+        places.map_or(0.0, |places| places.add(melting, operator, now, 0, out))
     }
 
     /// Adds `dt` times the rates `out`, and writes the potentials that come of it in their place.
     pub(super) fn advance(&mut self, out: &mut [f64], dt: f64) {
         let parts = self.values.par_chunks_mut(CHUNK).zip(out.par_chunks_mut(CHUNK)).enumerate();
-        parts.for_each(|(k, (values, out))| self.curves.advance(k * CHUNK, values, out, dt));
+        let (curves, melting) = (&self.curves, &self.melting);
+        let advance = |(k, (values, out)): (usize, (&mut [f64], &mut [f64]))| {
+            curves.advance(k * CHUNK, values, out, dt);
+            melting.as_ref().map(|melting| melting.among(k * CHUNK, values)).unwrap_or_default()
+        };
+        let places: Vec<Vec<u32>> = parts.map(advance).collect();
+        self.set_melting(places.concat());
     }
 
     /// Writes by how much the potentials, now `now`, change with a change `x` of the state.
@@ -130,7 +176,8 @@ impl Enthalpy {
             Curves::Each { of, .. } => size_of_val(&**of),
         };
         let seams = self.seams.as_ref().map_or(0, Seams::memory_bytes);
-        size_of_val(&*self.values) + curves + seams
+        let melting = self.melting.as_ref().map_or(0, MeltingPlaces::memory_bytes);
+        size_of_val(&*self.values) + curves + seams + melting
     }
 }
 

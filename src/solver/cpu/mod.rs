@@ -2,6 +2,7 @@
 
 mod aggregates;
 mod enthalpy;
+mod fronts;
 mod lattice;
 mod operator;
 mod rows;
@@ -88,12 +89,12 @@ impl CpuBackend {
         scene: impl Into<Arc<LatticeScene>>,
         walls: SourceRows,
     ) -> Self {
-        Self::with(problem, Box::new(Lattice(Uniform::new(problem, scene.into(), walls))))
+        Self::with(problem, Box::new(Lattice::new(Uniform::new(problem, scene.into(), walls))))
     }
 
     /// The lattice `scene` of `problem`, with the rows that its stencil does not describe.
     pub fn mixed(problem: &Problem, scene: impl Into<Arc<MixedScene>>, rows: SomeRows) -> Self {
-        Self::with(problem, Box::new(Lattice(Mixed::new(scene.into(), rows))))
+        Self::with(problem, Box::new(Lattice::new(Mixed::new(scene.into(), rows))))
     }
 
     fn with(problem: &Problem, operator: Box<dyn CpuOperator>) -> Self {
@@ -197,6 +198,7 @@ impl Backend for CpuBackend {
             self.state.clone_from(&saved.state);
             if let Some(enthalpy) = &mut self.enthalpy {
                 enthalpy.values.clone_from(&saved.enthalpy);
+                enthalpy.forget_fronts();
             }
             self.exchange = saved.exchange;
         }
@@ -378,6 +380,7 @@ impl Backend for CpuBackend {
         if let Some(enthalpy) = &mut self.enthalpy {
             self.state.copy_from_slice(&x.values);
             enthalpy.advance(&mut self.state, 1.0);
+            enthalpy.forget_fronts();
             self.exchange.add(x.given);
             return Ok(());
         }

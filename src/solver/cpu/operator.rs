@@ -1,5 +1,7 @@
 //! What the CPU backend needs of an operator.
 
+use std::ops::Range;
+
 use super::enthalpy::Enthalpy;
 use crate::model::operator::SourceRows;
 
@@ -40,6 +42,51 @@ impl<'a> Now<'a> {
     }
 }
 
+/// The neighbours of a particle with their weights, 1/s; what walls add to weights is part of them.
+pub(super) enum Entries<'a> {
+    /// So many places from its own, ascending, and all weights times a factor.
+    Steps(&'a [(isize, f64)], f64),
+    /// Places and weights.
+    Row(&'a [u32], &'a [f64]),
+    /// Both; some may come more than once.
+    Found(Vec<(usize, f64)>),
+}
+
+impl Entries<'_> {
+    /// Those in `places` at least, of the particle in a place.
+    #[inline(always)]
+    pub(super) fn within(self, place: usize, places: &Range<usize>) -> Self {
+        match self {
+            Self::Steps(steps, factor) => {
+                let from = |bound: usize| {
+                    let step = bound.wrapping_sub(place) as isize;
+                    steps.partition_point(|&(other, _)| other < step)
+                };
+                Self::Steps(&steps[from(places.start)..from(places.end)], factor)
+            }
+            all => all,
+        }
+    }
+
+    /// Calls `visit(b, w_ab)` for those of the particle in a place.
+    #[inline(always)]
+    pub(super) fn for_each(&self, place: usize, mut visit: impl FnMut(usize, f64)) {
+        match self {
+            Self::Steps(steps, factor) => {
+                for &(step, weight) in *steps {
+                    visit(place.wrapping_add_signed(step), factor * weight);
+                }
+            }
+            Self::Row(others, weights) => {
+                for (&other, &weight) in others.iter().zip(*weights) {
+                    visit(other as usize, weight);
+                }
+            }
+            Self::Found(found) => found.iter().for_each(|&(other, weight)| visit(other, weight)),
+        }
+    }
+}
+
 /// An operator in memory, with values in an order of its own.
 pub(super) trait CpuOperator: Send + Sync {
     /// From the problem's order; 0 where there is no particle.
@@ -54,11 +101,17 @@ pub(super) trait CpuOperator: Send + Sync {
     /// The rows that walls act on.
     fn sources(&self) -> &SourceRows;
 
+    /// The neighbours of the particle in a place, which is not held.
+    fn entries(&self, place: usize) -> Entries<'_>;
+
+    /// How many places a neighbour is away at most, round the ends of periodic axes.
+    fn reach(&self) -> usize;
+
     /// Writes what `combine` makes of values and rates, where held particles have the rate 0; returns
     /// what these gave, value x capacity / s.
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
 
-    /// Adds `dt` (s) times the rates to `enthalpy`, and writes the potentials that come of it; returns what
+    /// Adds `dt` (s) times the rates to `enthalpy`, what fronts change of them included, and writes the potentials that come of it; returns what
     /// held particles gave, value x capacity / s.
     fn step_enthalpy(
         &self,
@@ -66,9 +119,7 @@ pub(super) trait CpuOperator: Send + Sync {
         out: &mut [f64],
         enthalpy: &mut Enthalpy,
         dt: f64,
-    ) -> f64 {
-        step_in_turn(self, now, out, enthalpy, dt)
-    }
+    ) -> f64;
 
     /// Writes 0 where there is no particle.
     fn clear_absent(&self, _out: &mut [f64]) {}
@@ -81,15 +132,18 @@ pub(super) trait CpuOperator: Send + Sync {
 }
 
 /// A step of an enthalpy that finds all rates first.
-pub(super) fn step_in_turn<O: CpuOperator + ?Sized>(
-    operator: &O,
+pub(super) fn step_in_turn(
+    operator: &dyn CpuOperator,
     now: &Now<'_>,
     out: &mut [f64],
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    let given = operator.apply(now, out, RATE) + enthalpy.add_seams(out);
+    let mut given = operator.apply(now, out, RATE) + enthalpy.add_seams(out);
     operator.clear_absent(out);
+    if let Some(melting) = enthalpy.melting() {
+        given += enthalpy.add_fronts(&melting, operator, now.values, out);
+    }
     enthalpy.advance(out, dt);
     given
 }

@@ -1,6 +1,7 @@
 //! Assembled rows as an operator.
 
-use super::operator::{Combine, CpuOperator, Now};
+use super::enthalpy::Enthalpy;
+use super::operator::{Combine, CpuOperator, Entries, Now, step_in_turn};
 use crate::model::Problem;
 use crate::model::operator::SourceRows;
 use crate::model::operator::rows::Rows;
@@ -40,6 +41,25 @@ impl CpuOperator for StoredRows {
 
     fn sources(&self) -> &SourceRows {
         self.rows.sources()
+    }
+
+    fn entries(&self, place: usize) -> Entries<'_> {
+        let (others, weights) = self.rows.entries(place);
+        Entries::Row(others, weights)
+    }
+
+    fn reach(&self) -> usize {
+        self.order.len()
+    }
+
+    fn step_enthalpy(
+        &self,
+        now: &Now<'_>,
+        out: &mut [f64],
+        enthalpy: &mut Enthalpy,
+        dt: f64,
+    ) -> f64 {
+        step_in_turn(self, now, out, enthalpy, dt)
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {

@@ -132,6 +132,22 @@ impl Capacities {
         }
     }
 
+    /// That of a place.
+    pub(super) fn at(&self, place: usize) -> f64 {
+        match self {
+            Self::Same(capacity) => *capacity,
+            Self::Each(capacities) => capacities[place],
+        }
+    }
+
+    /// That of a place over that of another.
+    pub(super) fn ratio(&self, one: usize, other: usize) -> f64 {
+        match self {
+            Self::Same(_) => 1.0,
+            Self::Each(capacities) => capacities[one] / capacities[other],
+        }
+    }
+
     /// sum V x over some places.
     pub(super) fn sum(&self, x: &[f64], places: &[u32]) -> f64 {
         let values = places.iter().map(|&place| x[place as usize]);

@@ -1,5 +1,6 @@
 //! The passes of scenes whose neighbours are listed or searched for.
 
+use super::fronts::FrontMakes;
 use super::passes::{
     CHUNK, COMBINATION, GRID, HELD_BIT, MARKED_MASK, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE,
     WALL_BIT, WALL_SETUP, WallTerms, arithmetic, block, given, read, value, write,
@@ -11,6 +12,9 @@ use crate::solver::Precision;
 
 /// The sum over neighbours that are searched for.
 const SEARCHED: &str = "rows/searched";
+
+/// The state as sums find it.
+const WHOLE: &str = "state/whole";
 
 /// Where the sums over neighbours find them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,6 +201,17 @@ impl Choices {
         source
     }
 
+    /// What fronts change of a step of the rows of a chunk, or the marks of the rows that they may change; `each`
+    /// where places melt as their material does.
+    pub fn front(&self, each: bool, makes: FrontMakes) -> PassSource {
+        let mut source = Self { walls: WallTerms::None, ..*self }.on_rows("front");
+        let state = makes.add_to(&mut source, self.precision, each, false);
+        for slot in source.slots.iter_mut().filter(|slot| *slot == WHOLE) {
+            *slot = state.to_owned();
+        }
+        source
+    }
+
     /// Evaluates the pair functions at given arguments: a diagnostic.
     pub fn probe(&self) -> PassSource {
         let bindings = vec![
@@ -224,6 +239,10 @@ impl Choices {
             self.combine(),
             self.list_given(),
             self.diagonal(),
+            self.front(false, FrontMakes::Marks),
+            self.front(false, FrontMakes::Flows),
+            self.front(true, FrontMakes::Marks),
+            self.front(true, FrontMakes::Flows),
             self.probe(),
         ]
     }
@@ -262,7 +281,7 @@ impl Choices {
         };
         source.bindings.extend(self.walls.bindings());
         let arithmetic = arithmetic(self.precision);
-        let slots = arithmetic.iter().chain([&held]).chain(self.walls.slots());
+        let slots = arithmetic.iter().chain([&WHOLE, &held]).chain(self.walls.slots());
         source.slots.extend(slots.map(|&slot| slot.to_owned()));
         source
     }

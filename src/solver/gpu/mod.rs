@@ -9,6 +9,7 @@ mod backend;
 mod choices;
 pub mod curve_passes;
 mod enthalpy;
+mod fronts;
 pub mod lattice;
 mod list;
 mod operator;
@@ -35,6 +36,7 @@ use crate::model::{Material, Problem};
 
 use curve_passes::SeamPasses;
 use enthalpy::Curves;
+use fronts::DeviceFronts;
 use lattice::{Beside, Lattice};
 use list::List;
 use operator::Operator;
@@ -45,7 +47,7 @@ use seams::DeviceSeams;
 use search::Search;
 pub use self_test::SelfTest;
 pub use sorted::Sorted;
-use steps::Steps;
+use steps::{Heat, Steps};
 pub use vector::GpuVector;
 use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
@@ -199,7 +201,9 @@ impl GpuBackend {
         let of_curves =
             |curves| DeviceSeams::new(device, problem, curves, &order, &rows, scaling.step, passes);
         let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
-        let heat = (curves.as_ref(), seams);
+        let parts = operator.parts(order.len());
+        let fronts = DeviceFronts::new(device, problem, options.precision, &parts, &[])?;
+        let heat = Heat { curves: curves.as_ref(), seams, fronts };
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
             device: device.clone(),
@@ -291,7 +295,10 @@ impl GpuBackend {
         let initial = by_place(order, &problem.initial, nothing);
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
         let curves = Curves::of(problem, order);
-        let heat = (curves.as_ref(), None);
+        let parts = operator.parts(initial.len());
+        let exceptions = operator.exceptions();
+        let fronts = DeviceFronts::new(device, problem, options.precision, &parts, exceptions)?;
+        let heat = Heat { curves: curves.as_ref(), seams: None, fronts };
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
             device: device.clone(),

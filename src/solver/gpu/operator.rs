@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::fronts::{FrontFields, FrontMakes};
 use super::lattice::Lattice;
 use super::list::{Chunk, List};
 use super::passes::{Choices, EXCEPTION_BYTES};
@@ -117,6 +118,45 @@ impl Operator {
                 row_passes(device, choices, buffers, rows, makes, fields)
             }
             Self::Lattice(lattice) => lattice.passes(device, makes, fields),
+        }
+    }
+
+    /// The passes that change of an explicit Euler step what fronts do, in order.
+    pub(super) fn front_passes(
+        &self,
+        device: &Device,
+        fields: &Fields<'_>,
+        front: &FrontFields<'_>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        let rows: Vec<(u64, Vec<&Buffer>)> = match self {
+            Self::List { list, .. } => {
+                list.chunks.iter().map(|chunk| (chunk.row_count(), chunk.of_sums(list))).collect()
+            }
+            Self::Search { search, .. } => vec![(search.row_count(), search.of_sums())],
+            Self::Lattice(lattice) => return lattice.front_passes(device, fields, front),
+        };
+        let (Self::List { choices, .. } | Self::Search { choices, .. }) = self else {
+            return Ok(Vec::new());
+        };
+        let mut passes = Vec::new();
+        for &makes in FrontMakes::of(false) {
+            let source = choices.front(front.fronts.each, makes);
+            for (count, of_sums) in &rows {
+                let mut buffers = of_sums.clone();
+                buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
+                buffers.extend(fields.exchange);
+                buffers.extend(front.buffers(0, None));
+                passes.push(device.pass(&source, &buffers, *count)?);
+            }
+        }
+        Ok(passes)
+    }
+
+    /// The places where more than a stencil acts, ascending.
+    pub(super) fn exceptions(&self) -> &[u32] {
+        match self {
+            Self::List { .. } | Self::Search { .. } => &[],
+            Self::Lattice(lattice) => lattice.exceptions(),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::enthalpy::{Curves, Enthalpy};
+use super::fronts::{DeviceFronts, FrontFields};
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
 use super::seams::{DeviceSeams, SeamFields};
@@ -12,6 +13,17 @@ use crate::solver::Precision;
 
 /// Dispatches in a submission at most.
 const MOST_DISPATCHES: u64 = 1000;
+
+/// What of a scene makes states enthalpies.
+#[derive(Debug)]
+pub(super) struct Heat<'a> {
+    /// The curves that these follow.
+    pub(super) curves: Option<&'a Curves>,
+    /// Where such curves meet.
+    pub(super) seams: Option<DeviceSeams>,
+    /// Where something melts at one temperature.
+    pub(super) fronts: Option<DeviceFronts>,
+}
 
 /// The state with everything that changes it.
 #[derive(Debug)]
@@ -25,6 +37,8 @@ pub(super) struct Steps {
     enthalpy: Option<Enthalpy>,
     /// Where materials meet of which one has a curve.
     seams: Option<DeviceSeams>,
+    /// Where something melts at one temperature.
+    fronts: Option<DeviceFronts>,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -40,16 +54,16 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The passes of `operator`, from a state `initial` in its order, which follows `curves` where it is an
-    /// enthalpy; `seams` are where these meet.
+    /// The passes of `operator`, from a state `initial` in its order, which is an enthalpy where `heat` has curves.
     pub(super) fn new(
         device: &Device,
         operator: &Operator,
         initial: &[f64],
-        (curves, seams): (Option<&Curves>, Option<DeviceSeams>),
+        heat: Heat<'_>,
         exchange: Option<Buffer>,
         walls: Option<WallSlots>,
     ) -> Result<Self, GpuError> {
+        let Heat { curves, seams, fronts } = heat;
         let precision = operator.precision();
         let real = precision.real();
         let parts = operator.parts(initial.len());
@@ -80,6 +94,10 @@ impl Steps {
                 combination: None,
             };
             let mut passes = operator.passes(device, Makes::Step, &fields)?;
+            if let (Some(enthalpy), Some(fronts)) = (&enthalpy, &fronts) {
+                let front = FrontFields { fronts, enthalpy };
+                passes.extend(operator.front_passes(device, &fields, &front)?);
+            }
             if let (Some(enthalpy), Some(seams)) = (&enthalpy, &seams) {
                 let after = &state[1 - from][0];
                 let fields = SeamFields { step_size: &step_size, enthalpy, after };
@@ -123,6 +141,7 @@ impl Steps {
             current: 0,
             enthalpy,
             seams,
+            fronts,
             exchange,
             walls,
             step_size,
@@ -277,6 +296,7 @@ impl Steps {
         buffers.map(Buffer::bytes).sum::<u64>()
             + enthalpy
             + seams
+            + self.fronts.as_ref().map_or(0, DeviceFronts::bytes)
             + self.walls.as_ref().map_or(0, WallSlots::bytes)
     }
 }

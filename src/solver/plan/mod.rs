@@ -5,7 +5,7 @@ mod path;
 
 use super::{MachineKind, gpu};
 use crate::model::Problem;
-use crate::model::operator::FoldNeeds;
+use crate::model::operator::{FoldNeeds, Fronts};
 
 pub use left_out::LeftOut;
 pub use path::{MixedSizes, Path, PathChoice, PathWish};
@@ -153,6 +153,9 @@ impl Plan {
             if !problem.has_one_curve() {
                 passes.push("seams");
             }
+            if Fronts::of(problem).is_some() {
+                passes.push("fronts");
+            }
             if problem.has_curves() {
                 passes.push("enthalpy");
             }
@@ -207,7 +210,10 @@ impl Plan {
         // An enthalpy, and the copy of it that a run falls back to; which curve each follows, where they differ.
         let of_enthalpy = if problem.has_curves() { 2 * state } else { 0 };
         let of_curves = if problem.has_one_curve() { 0 } else { 4 };
-        let enthalpy = particles * (of_enthalpy + of_curves);
+        // On a GPU a mark, where fronts may come by.
+        let is_marked = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();
+        let of_fronts = if is_marked { 4 } else { 0 };
+        let enthalpy = particles * (of_enthalpy + of_curves + of_fronts);
         of_operator + enthalpy + self.bytes_of_sources(problem)
     }
 

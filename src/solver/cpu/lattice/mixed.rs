@@ -4,11 +4,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
+use super::{LatticeOperator, stencil_entries};
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, within};
-use crate::solver::cpu::operator::{Combine, Now, RATE};
+use crate::solver::cpu::operator::{Combine, Entries, Now, RATE};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
 /// them, since a short part of a line costs as much as a long one.
@@ -99,6 +99,19 @@ impl LatticeOperator for Mixed {
 
     fn sources(&self) -> &SourceRows {
         self.rows.sources()
+    }
+
+    fn entries<'a>(&'a self, inner: &'a [(isize, f64)], site: usize) -> Entries<'a> {
+        if let Some((others, weights)) = self.rows.entries_of(site) {
+            return Entries::Row(others, weights);
+        }
+        if self.absent_from(site).next().is_some_and(|range| range.contains(&site)) {
+            return Entries::Found(Vec::new());
+        }
+        let ratios = &self.scene.ratios;
+        let part = ratios.partition_point(|&(first, _)| first as usize <= site);
+        let factor = if part > 0 { ratios[part - 1].1 } else { 1.0 };
+        stencil_entries(&self.scene.lattice, inner, site, factor)
     }
 
     fn advance(

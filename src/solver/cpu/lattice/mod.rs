@@ -7,7 +7,7 @@ mod uniform;
 use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
-use super::operator::{Combine, CpuOperator, Now, RATE, step_in_turn};
+use super::operator::{Combine, CpuOperator, Entries, Now, RATE, step_in_turn};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -17,6 +17,9 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
+/// Such tasks as one at most where something may melt, and the parts that are left at least.
+const MOST_TASKS_AS_ONE: usize = 4;
+const LEAST_PARTS: usize = 8;
 /// Below this many particles one thread is faster than handing out tasks for every step.
 const SERIAL: usize = 1 << 15;
 
@@ -29,6 +32,11 @@ pub(super) trait LatticeOperator: Send + Sync {
 
     /// The rows that walls act on, by site.
     fn sources(&self) -> &SourceRows;
+
+    /// As [`CpuOperator::entries`]; `inner` are [`LatticeScene::inner_entries`].
+    fn entries<'a>(&'a self, inner: &'a [(isize, f64)], site: usize) -> Entries<'a> {
+        stencil_entries(self.scene(), inner, site, 1.0)
+    }
 
     /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
     /// last are along their lines; returns what held particles among them gave, value x capacity / s.
@@ -51,39 +59,71 @@ pub(super) trait LatticeOperator: Send + Sync {
     fn memory_bytes(&self) -> usize;
 }
 
+/// The stencil of `scene` around a site, with weights times `factor`; `inner` are its
+/// [`LatticeScene::inner_entries`].
+fn stencil_entries<'a>(
+    scene: &LatticeScene,
+    inner: &'a [(isize, f64)],
+    site: usize,
+    factor: f64,
+) -> Entries<'a> {
+    if scene.is_inner(site) {
+        return Entries::Steps(inner, factor);
+    }
+    let mut found = Vec::with_capacity(inner.len());
+    scene.entries(site, |other, weight| found.push((other, factor * weight)));
+    Entries::Found(found)
+}
+
 /// A lattice that is worked on in parts.
-pub(super) struct Lattice<L>(pub(super) L);
+pub(super) struct Lattice<L> {
+    of: L,
+    /// [`LatticeScene::inner_entries`].
+    inner: Vec<(isize, f64)>,
+}
 
 impl<L: LatticeOperator> Lattice<L> {
+    pub(super) fn new(of: L) -> Self {
+        Self { inner: of.scene().inner_entries(), of }
+    }
+
     /// Values of a task: whole lines, or a part of a line that is long.
     fn task(&self) -> usize {
-        let nx = self.0.scene().counts[0];
+        let nx = self.of.scene().counts[0];
         if nx < TASK { nx * (TASK / nx).max(1) } else { TASK }
     }
 }
 
 impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     fn by_place(&self, values: &[f64]) -> Vec<f64> {
-        self.0.scene().by_site(values)
+        self.of.scene().by_site(values)
     }
 
     fn by_particle(&self, values: &[f64]) -> Vec<f64> {
-        self.0.scene().by_particle(values)
+        self.of.scene().by_particle(values)
     }
 
     fn held(&self) -> &[u32] {
-        self.0.held()
+        self.of.held()
     }
 
     fn sources(&self) -> &SourceRows {
-        self.0.sources()
+        self.of.sources()
+    }
+
+    fn entries(&self, place: usize) -> Entries<'_> {
+        self.of.entries(&self.inner, place)
+    }
+
+    fn reach(&self) -> usize {
+        self.of.scene().longest_step()
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {
         let task = self.task();
-        let scratch = || Scratch::new(self.0.scene());
+        let scratch = || Scratch::new(self.of.scene());
         let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
-            self.0.advance(scratch, now, k * task, out, combine)
+            self.of.advance(scratch, now, k * task, out, combine)
         };
         let given: Vec<f64> = if out.len() < SERIAL {
             let mut scratch = scratch();
@@ -95,7 +135,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     }
 
     fn clear_absent(&self, out: &mut [f64]) {
-        self.0.clear_absent(0, out);
+        self.of.clear_absent(0, out);
     }
 
     /// Each part while it is in the cache: enthalpy costs little more than reading and writing it.
@@ -109,17 +149,23 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         if enthalpy.has_seams() {
             return step_in_turn(self, now, out, enthalpy, dt);
         }
+        let melting = enthalpy.melting();
+        // What melts is looked at again in every part that it has neighbours in.
         let task = self.task();
-        let (curves, values) = enthalpy.parts();
-        let scratch = || Scratch::new(self.0.scene());
+        let task = task * (out.len() / task / LEAST_PARTS).clamp(1, MOST_TASKS_AS_ONE);
+        let (curves, fronts, values) = enthalpy.parts();
+        let scratch = || Scratch::new(self.of.scene());
         let advance =
             |scratch: &mut Scratch, (k, (out, values)): (usize, (&mut [f64], &mut [f64]))| {
-                let given = self.0.advance(scratch, now, k * task, out, RATE);
-                self.0.clear_absent(k * task, out);
+                let mut given = self.of.advance(scratch, now, k * task, out, RATE);
+                self.of.clear_absent(k * task, out);
+                if let Some((fronts, melting)) = fronts.zip(melting.as_ref()) {
+                    given += fronts.add(melting, self, now.values, k * task, out);
+                }
                 curves.advance(k * task, values, out, dt);
-                given
+                (given, fronts.map(|fronts| fronts.among(k * task, values)).unwrap_or_default())
             };
-        let given: Vec<f64> = if out.len() < SERIAL {
+        let parts: Vec<(f64, Vec<u32>)> = if out.len() < SERIAL {
             let mut scratch = scratch();
             let parts = out.chunks_mut(task).zip(values.chunks_mut(task)).enumerate();
             parts.map(|part| advance(&mut scratch, part)).collect()
@@ -127,15 +173,17 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
             let parts = out.par_chunks_mut(task).zip(values.par_chunks_mut(task)).enumerate();
             parts.map_init(scratch, advance).collect()
         };
-        given.iter().sum()
+        let given = parts.iter().map(|(given, _)| given).sum();
+        enthalpy.set_melting(parts.into_iter().flat_map(|(_, melting)| melting).collect());
+        given
     }
 
     fn diagonal(&self) -> Vec<f64> {
-        self.0.diagonal()
+        self.of.diagonal()
     }
 
     fn memory_bytes(&self) -> u64 {
-        let order = self.0.scene().order.as_ref().map_or(0, |order| size_of_val(&**order));
-        (order + self.0.memory_bytes()) as u64
+        let order = self.of.scene().order.as_ref().map_or(0, |order| size_of_val(&**order));
+        (order + self.of.memory_bytes()) as u64
     }
 }

@@ -9,6 +9,7 @@ mod source;
 use std::ops::Range;
 
 use super::GpuOptions;
+use super::fronts::{FrontFields, FrontMakes};
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
@@ -39,6 +40,8 @@ pub(super) struct Lattice {
     /// Site, slot of a wall, place among the held and first element of the row of each site where more than the
     /// stencil acts; only where there is one.
     exception: Option<Buffer>,
+    /// The sites of these, ascending.
+    exceptions: Vec<u32>,
 }
 
 /// What a lattice has beside its stencil.
@@ -115,6 +118,7 @@ impl Lattice {
             kinds,
             rows,
             exception,
+            exceptions: exceptions.iter().map(|exception| exception[0]).collect(),
             source,
         })
     }
@@ -143,10 +147,7 @@ impl Lattice {
         for &sites in self.source.sites_of(makes) {
             let source = self.source.pass(sites, makes);
             for (k, part) in self.parts.iter().enumerate() {
-                let threads = match sites {
-                    Sites::All => part.sites.len(),
-                    Sites::Exceptions => part.exceptions.len(),
-                };
+                let threads = part.threads(sites);
                 if threads > 0 {
                     let buffers = self.buffers(k, sites, makes, fields);
                     passes.push(device.pass(&source, &buffers, threads as u64)?);
@@ -154,6 +155,37 @@ impl Lattice {
             }
         }
         Ok(passes)
+    }
+
+    /// The passes that change of an explicit Euler step what fronts do, in order.
+    pub(super) fn front_passes(
+        &self,
+        device: &Device,
+        fields: &Fields<'_>,
+        front: &FrontFields<'_>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        let mut passes = Vec::new();
+        let fields = Fields { walls: None, ..*fields };
+        for &makes in FrontMakes::of(self.source.is_split) {
+            for &sites in self.source.sites_of(Makes::Step) {
+                let source = self.source.front(sites, makes);
+                for (k, part) in self.parts.iter().enumerate() {
+                    let threads = part.threads(sites);
+                    if threads > 0 {
+                        let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
+                        let beside = self.source.is_split.then_some(part.beside);
+                        buffers.extend(front.buffers(k, beside));
+                        passes.push(device.pass(&source, &buffers, threads as u64)?);
+                    }
+                }
+            }
+        }
+        Ok(passes)
+    }
+
+    /// The sites where more than the stencil acts, ascending.
+    pub(super) fn exceptions(&self) -> &[u32] {
+        &self.exceptions
     }
 
     /// The buffers of a pass on part `k`, in the order of its bindings.
@@ -203,6 +235,14 @@ impl Lattice {
 }
 
 impl Part {
+    /// How many of its sites a pass works on.
+    fn threads(&self, sites: Sites) -> usize {
+        match sites {
+            Sites::All => self.sites.len(),
+            Sites::Exceptions => self.exceptions.len(),
+        }
+    }
+
     /// Part `k` of `parts`.
     fn new(
         device: &Device,

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource, Real};
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
+use crate::solver::gpu::fronts::FrontMakes;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
     COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, given,
@@ -28,6 +29,11 @@ pub static PART: BlockLayout = BlockLayout {
 
 /// The most neighbours whose sum is written out. A longer one is a loop, which compiles faster.
 const WRITTEN_OUT: usize = 128;
+
+/// The state in one buffer.
+const WHOLE: &str = "state/whole";
+/// The state in parts.
+const SPLIT: &str = "lattice/split";
 
 /// What the shaders of a lattice follow from.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +83,10 @@ impl StencilSource {
         let all = [Sites::All, Sites::Exceptions].into_iter().flat_map(of);
         let diagonals =
             self.sites_of(Makes::Diagonal).iter().map(|&s| self.pass(s, Makes::Diagonal));
-        all.chain(diagonals).collect()
+        let fronts = [Sites::All, Sites::Exceptions].into_iter().flat_map(|sites| {
+            FrontMakes::of(self.is_split).iter().map(move |&makes| self.front(sites, makes))
+        });
+        all.chain(diagonals).chain(fronts).collect()
     }
 
     /// The sites that have passes of their own, in order. Of what acts beside the stencil only stored rows change
@@ -99,8 +108,8 @@ impl StencilSource {
         let mut bindings = vec![block("part", &PART)];
         let (state, read_from): (_, &[&str]) = match (makes, self.is_split) {
             (Makes::Diagonal, _) => ("lattice/unit", &[]),
-            (_, true) => ("lattice/split", &["before", "below", "above"]),
-            (_, false) => ("lattice/whole", &["before"]),
+            (_, true) => (SPLIT, &["before", "below", "above"]),
+            (_, false) => (WHOLE, &["before"]),
         };
         bindings.extend(read_from.iter().map(|&name| read(name, value(self.precision))));
         bindings.extend([
@@ -149,6 +158,21 @@ impl StencilSource {
             slots: slots.into_iter().map(str::to_owned).collect(),
             generated: if self.is_loop() { String::new() } else { self.sums() },
         }
+    }
+
+    /// What fronts change of a step of some sites of a part, or the marks of those that they may change.
+    pub(super) fn front(&self, sites: Sites, makes: FrontMakes) -> PassSource {
+        let free_of_walls = Self { walls: WallTerms::None, ..self.clone() };
+        let mut source = free_of_walls.pass(sites, Makes::Step);
+        source.pass = match sites {
+            Sites::All => "lattice_front",
+            Sites::Exceptions => "exception_front",
+        };
+        let state = makes.add_to(&mut source, self.precision, false, self.is_split);
+        for slot in source.slots.iter_mut().filter(|slot| [WHOLE, SPLIT].contains(&&***slot)) {
+            *slot = state.to_owned();
+        }
+        source
     }
 
     /// The slots of exceptions; their buffers go to `bindings`.

@@ -1,0 +1,43 @@
+// What flows to and from what melts beside what the operator has (`Fronts` in src/model/operator/fronts.rs):
+// a sum over neighbours whose values are the flows over the weights, with 0 as the place's own.
+
+var<private> own_front: Front;
+var<private> own_melts: bool;
+// Of what melts how much more flows to it, in parts: from a liquid neighbour and from a solid one.
+var<private> own_excess: vec2<real>;
+// Potential above that of the front.
+var<private> own_above: real;
+
+fn value_at(other: u32) -> Value {
+    if !shares_front(other) {
+        return exactly(real(0.0));
+    }
+    let enthalpy = collapsed(enthalpy_at(other));
+    if is_melting(own_front, enthalpy) == own_melts {
+        return exactly(real(0.0));
+    }
+    if own_melts {
+        let above = above_front(own_front, potential_at(other));
+        return exactly(select(own_excess.x, own_excess.y, above < 0.0) * above);
+    }
+    let excess = front_excess(own_front, enthalpy);
+    return exactly(-select(excess.x, excess.y, own_above < 0.0) * own_above);
+}
+
+fn own_value(place: u32) -> Value {
+    return exactly(real(0.0));
+}
+
+// Whether a sum is wanted of a place, whose mark is `local`; it is 0 where none is.
+fn begin(place: u32, local: u32) -> bool {
+    own_front = front_of(place);
+    choose_front(place);
+    let enthalpy = collapsed(enthalpy_at(place));
+    own_melts = is_melting(own_front, enthalpy);
+    if !(own_melts || is_near(local)) {
+        return false;
+    }
+    own_excess = front_excess(own_front, enthalpy);
+    own_above = above_front(own_front, potential_at(place));
+    return true;
+}

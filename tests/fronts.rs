@@ -1,0 +1,153 @@
+//! What Euler's steps change of the flows to and from what melts: the same on every path and machine, and nothing
+//! is lost on the way.
+
+#[expect(dead_code, reason = "these scenes are no shipped cases")]
+#[path = "cases/support.rs"]
+mod cases;
+#[path = "melting/fields.rs"]
+mod fields;
+#[expect(dead_code, reason = "the tests of one material use the rest")]
+#[path = "melting/support.rs"]
+mod support;
+
+use diffusph::case::Scene;
+use diffusph::model::lattice::LatticeScene;
+use diffusph::solver::gpu::{GpuBackend, GpuOptions};
+use diffusph::solver::{Backend, Machine, PathWish, Precision};
+use diffusph::study;
+use serde_json::{Value, json};
+
+use cases::load;
+use fields::{furthest, temperatures};
+use support::on_gpu;
+
+/// Steps of every run.
+const STEPS: u32 = 30;
+
+/// A sheet of `counts` particles that is hot on both sides of where two periodic ends meet, beside held
+/// particles; with a hole, or of two materials.
+fn sheet(counts: [u32; 2], hole: bool, two: bool) -> Scene {
+    let [x, y] = counts.map(|count| f64::from(count) * 0.01);
+    let body = json!({ "box": { "min": [0, 0], "max": [x, y] } });
+    let disc = |radius: f64, part: f64| json!({ "sphere": { "center": [part * x, 0.5 * y], "radius": radius * x } });
+    let body = match hole {
+        true => json!({ "difference": { "of": body, "minus": [disc(0.1, 0.45)] } }),
+        false => body,
+    };
+    let fill = match two {
+        false => json!([{ "shape": body, "material": "tin" }]),
+        true => json!([
+            { "shape": { "box": { "min": [0, 0], "max": [0.5 * x, y] } }, "material": "tin" },
+            { "shape": { "box": { "min": [0.5 * x, 0], "max": [x, y] } }, "material": "lead" }
+        ]),
+    };
+    let metal = |melts: f64| {
+        json!({
+            "conductivity": 60, "density": 7000, "heat_capacity": 230, "melting_temperature": melts,
+            "latent_heat": 6e4, "liquid": { "conductivity": 30 }
+        })
+    };
+    let mut materials = json!({ "tin": metal(505.0) });
+    if two {
+        materials["lead"] = metal(600.0);
+    }
+    let case = json!({
+        "title": "sheet", "dimension": 2,
+        "particles": { "spacing": 0.01, "fill": fill },
+        "kernel": { "name": "wendland_c2", "support_ratio": 2.6 },
+        "materials": materials,
+        "initial": [
+            { "value": 480 },
+            { "value": 900, "where": { "box": { "min": [0.3 * x, 0], "max": [0.8 * x, 0.3 * y] } } },
+            { "value": 900, "where": { "box": { "min": [0.2 * x, 0.8 * y], "max": [0.6 * x, y] } } }
+        ],
+        "boundaries": [
+            { "periodic": { "axes": ["y"] } },
+            { "held": { "where": { "box": { "min": [0.65 * x, 0.2 * y], "max": [0.85 * x, 0.4 * y] } }, "value": 300 } },
+            { "wall": { "faces": ["x_min"], "kind": { "value": 800 } } },
+            { "wall": { "faces": ["x_max"], "kind": "insulated" } }
+        ],
+        "time": {
+            "end": format!("{STEPS}*0.15*spacing^2/3.73e-5"), "method": "euler",
+            "step": "0.15*spacing^2/3.73e-5"
+        }
+    });
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same with steps that do not know of fronts.
+fn heun(scene: &Scene) -> Scene {
+    let mut case: Value = scene.resolved.clone();
+    case["time"]["method"] = json!("heun");
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn paths_of_the_cpu_agree_and_keep_the_energy() {
+    // The large one is worked on in parts, which meet at the periodic ends as well.
+    for (counts, hole) in
+        [([50, 40], false), ([50, 40], true), ([180, 250], false), ([180, 250], true)]
+    {
+        let scene = sheet(counts, hole, false);
+        let (report, on_sites) = temperatures(&scene, &Machine::Cpu, PathWish::Lattice);
+        let (by_list, listed) = temperatures(&scene, &Machine::Cpu, PathWish::List);
+        assert_eq!(&*report.path, if hole { "mixed" } else { "lattice" });
+        assert!(report.front.expect("it melts").liquid_volume > 0.0);
+        let off = furthest(&on_sites, &listed);
+        assert!(off < 1e-9, "{counts:?}, hole: {hole}: {off:e} K");
+        for report in [report, by_list] {
+            let drift = report.conserved.relative_drift.abs();
+            assert!(drift < 1e-12, "{counts:?}, {}: {drift:e}", report.path);
+        }
+        let (_, without) = temperatures(&heun(&scene), &Machine::Cpu, PathWish::List);
+        assert!(furthest(&without, &listed) > 0.1, "fronts are noticed");
+    }
+}
+
+#[test]
+fn a_gpu_has_the_fronts_of_the_cpu_on_every_path() {
+    for (hole, two) in [(false, false), (true, false), (false, true)] {
+        let scene = sheet([50, 40], hole, two);
+        let (_, cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
+        for path in [PathWish::Lattice, PathWish::List, PathWish::MatrixFree] {
+            if two && path == PathWish::Lattice {
+                continue;
+            }
+            for (precision, most, kept) in [
+                (Precision::F64, 1e-9, 1e-12),
+                (Precision::Compensated, 2e-2, 1e-6),
+                (Precision::F32, 0.2, 1e-4),
+            ] {
+                let (report, gpu) = temperatures(&scene, &on_gpu(precision), path);
+                let (off, drift) = (furthest(&cpu, &gpu), report.conserved.relative_drift.abs());
+                let what = format!("{} {}, hole: {hole}", report.path, precision.name());
+                assert!(off < most && drift < kept, "{what}: {off:e} K, drift {drift:e}");
+            }
+        }
+        let (_, without) = temperatures(&heun(&scene), &Machine::Cpu, PathWish::List);
+        assert!(furthest(&without, &cpu) > 1.0, "fronts are noticed");
+    }
+}
+
+#[test]
+fn a_state_in_parts_has_the_fronts_of_one() {
+    let scene = sheet([50, 40], false, false);
+    let problem = &scene.problem;
+    let lattice = LatticeScene::of(problem).expect("a lattice");
+    let step = 0.15 * problem.spacing.powi(2) / 3.73e-5;
+    let after = |chunk_bytes: Option<u64>| {
+        let Machine::Gpu { device, precision } = on_gpu(Precision::F64) else {
+            panic!("it is a GPU");
+        };
+        let (walls, _) = study::lattice_walls(problem, &lattice).expect("good walls");
+        let options = GpuOptions { chunk_bytes, ..GpuOptions::new(precision) };
+        let mut backend = GpuBackend::lattice(problem, &lattice, walls, step, &device, options)
+            .unwrap_or_else(|error| panic!("{error}"));
+        backend.euler(0.0, step, u64::from(STEPS)).expect("steps");
+        (backend.chunk_count(), backend.read().expect("values").as_ref().to_vec())
+    };
+    let (one, whole) = after(None);
+    let (several, parts) = after(Some(8 * 50 * 11));
+    assert!(one == 1 && several >= 4, "{one} and {several} parts");
+    assert!(furthest(&whole, &parts) < 1e-9, "{:e} K", furthest(&whole, &parts));
+}
