@@ -131,19 +131,23 @@ impl LatticeScene {
         sum
     }
 
-    /// Sites from an inner one to its neighbours, with their weights, 1/s,
-    /// ascending.
+    /// Sites along each axis to every neighbour, and its weight, 1/s.
+    pub fn steps(&self) -> impl Iterator<Item = ([isize; 3], f64)> + '_ {
+        self.classes.iter().flat_map(|class| {
+            class.lines.iter().flat_map(move |&[y, z]| {
+                let reach = class.weights.len() as isize - 1;
+                let weights =
+                    (-reach..=reach).map(move |x| ([x, y, z], class.weights[x.unsigned_abs()]));
+                weights.filter(|&(_, weight)| weight != 0.0)
+            })
+        })
+    }
+
+    /// Sites from an inner one to its neighbours, ascending, with their weights, 1/s.
     pub fn inner_entries(&self) -> Vec<(isize, f64)> {
         let [nx, ny, _] = self.counts.map(|count| count as isize);
-        let mut entries = Vec::new();
-        for class in &self.classes {
-            for &[y, z] in &class.lines {
-                let reach = class.weights.len() as isize - 1;
-                let weights = (-reach..=reach).map(|x| (x, class.weights[x.unsigned_abs()]));
-                let others = weights.filter(|&(_, weight)| weight != 0.0);
-                entries.extend(others.map(|(x, weight)| ((z * ny + y) * nx + x, weight)));
-            }
-        }
+        let entry = |([x, y, z], weight): ([isize; 3], f64)| ((z * ny + y) * nx + x, weight);
+        let mut entries: Vec<(isize, f64)> = self.steps().map(entry).collect();
         entries.sort_unstable_by_key(|&(step, _)| step);
         entries
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::fronts::{Melting, MeltingPlaces};
 use super::operator::CpuOperator;
+use super::vector::Capacities;
 use crate::model::material::Segment;
 use crate::model::operator::Seams;
 use crate::model::wide::{self, Work, multiply_add};
@@ -30,12 +31,16 @@ pub(super) enum Curves {
     /// All have this one, which may have few pieces.
     One(Arc<HeatCurve>, Option<Pieces>),
     /// By place: an index into the curves of materials.
-    Each { of: Vec<u16>, curves: Vec<Option<Arc<HeatCurve>>> },
+    Each { of: Arc<[u16]>, curves: Vec<Option<Arc<HeatCurve>>> },
 }
 
 impl Enthalpy {
-    /// The initial state of `problem` in the order of `operator`.
-    pub(super) fn new(problem: &Problem, operator: &dyn CpuOperator) -> Self {
+    /// The initial state of `problem` in the order of `operator`, by which `capacities` are.
+    pub(super) fn new(
+        problem: &Problem,
+        operator: &dyn CpuOperator,
+        capacities: &Arc<Capacities>,
+    ) -> Self {
         let material = &problem.particles.material;
         let first = problem.materials[usize::from(material[0])].curve.clone();
         let same = problem.has_one_curve();
@@ -61,9 +66,9 @@ impl Enthalpy {
         let seams = Seams::of(problem, &place);
         let of = match &curves {
             Curves::One(..) => None,
-            Curves::Each { of, .. } => Some(&**of),
+            Curves::Each { of, .. } => Some(of),
         };
-        let melting = MeltingPlaces::new(problem, operator, of);
+        let melting = MeltingPlaces::new(problem, capacities, of);
         Self { values: operator.by_place(&problem.initial), curves, seams, melting }
     }
 
@@ -119,10 +124,10 @@ impl Enthalpy {
 
     /// Adds what flows to and from what melts to the rates `out`, where potentials are `now`; returns what held
     /// particles give beyond what the operator knows, value x capacity / s.
-    pub(super) fn add_fronts(
+    pub(super) fn add_fronts<O: CpuOperator + ?Sized>(
         &self,
         melting: &Melting,
-        operator: &dyn CpuOperator,
+        operator: &O,
         now: &[f64],
         out: &mut [f64],
     ) -> f64 {
@@ -133,13 +138,7 @@ impl Enthalpy {
     /// Adds `dt` times the rates `out`, and writes the potentials that come of it in their place.
     pub(super) fn advance(&mut self, out: &mut [f64], dt: f64) {
         let parts = self.values.par_chunks_mut(CHUNK).zip(out.par_chunks_mut(CHUNK)).enumerate();
-        let (curves, melting) = (&self.curves, &self.melting);
-        let advance = |(k, (values, out)): (usize, (&mut [f64], &mut [f64]))| {
-            curves.advance(k * CHUNK, values, out, dt);
-            melting.as_ref().map(|melting| melting.among(k * CHUNK, values)).unwrap_or_default()
-        };
-        let places: Vec<Vec<u32>> = parts.map(advance).collect();
-        self.set_melting(places.concat());
+        parts.for_each(|(k, (values, out))| self.curves.advance(k * CHUNK, values, out, dt));
     }
 
     /// Writes by how much the potentials, now `now`, change with a change `x` of the state.

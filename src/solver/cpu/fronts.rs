@@ -1,6 +1,7 @@
 //! Fronts in memory: the flows that melting particles have beside those of the operator.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -21,14 +22,14 @@ pub(super) struct MeltingPlaces {
     fronts: Fronts,
     /// The material of each place, where fronts differ; else the front of all.
     of: Which,
-    capacities: Capacities,
+    capacities: Arc<Capacities>,
     /// The places that melt, ascending; none where they have to be looked for.
     places: Option<Vec<u32>>,
 }
 
 enum Which {
     Same(Front),
-    Each(Vec<u16>),
+    Each(Arc<[u16]>),
 }
 
 /// The particles that melt as a step begins.
@@ -40,19 +41,18 @@ pub(super) struct Melting {
 }
 
 impl MeltingPlaces {
-    /// Those of `problem` in the order of `operator`; `materials` are by place where curves differ.
+    /// Those of `problem`, whose particles have `capacities` and, where curves differ, `materials`, by place.
     pub(super) fn new(
         problem: &Problem,
-        operator: &dyn CpuOperator,
-        materials: Option<&[u16]>,
+        capacities: &Arc<Capacities>,
+        materials: Option<&Arc<[u16]>>,
     ) -> Option<Self> {
         let fronts = Fronts::of(problem)?;
         let of = match materials {
             None => Which::Same(*fronts.of_material(problem.particles.material[0])?),
-            Some(materials) => Which::Each(materials.to_vec()),
+            Some(materials) => Which::Each(Arc::clone(materials)),
         };
-        let capacities = Capacities::of(&problem.capacities(), |each| operator.by_place(each));
-        Some(Self { fronts, of, capacities, places: None })
+        Some(Self { fronts, of, capacities: Arc::clone(capacities), places: None })
     }
 
     /// The places that melt among those from `first` on, whose enthalpies are `values`.
@@ -76,8 +76,7 @@ impl MeltingPlaces {
         self.places = Some(places);
     }
 
-    /// Has the places that melt looked for before the next step: something else than a step of Euler's has
-    /// changed the state.
+    /// Has the places that melt looked for before the next step: something else has changed the state.
     pub(super) fn forget(&mut self) {
         self.places = None;
     }
@@ -99,10 +98,10 @@ impl MeltingPlaces {
 
     /// Adds what flows to and from what melts to the `rates` of places from `first` on, where the operator acts on
     /// `potentials`; returns what held particles give to those of these that melt, value x capacity / s.
-    pub(super) fn add(
+    pub(super) fn add<O: CpuOperator + ?Sized>(
         &self,
         melting: &Melting,
-        operator: &dyn CpuOperator,
+        operator: &O,
         potentials: &[f64],
         first: usize,
         rates: &mut [f64],
@@ -118,12 +117,12 @@ impl MeltingPlaces {
         let behind = (own.start + count).saturating_sub(reach).max(near.end)..count;
         let before = 0..(own.end.saturating_add(reach)).saturating_sub(count).min(near.start);
         let is_plain = operator.held().is_empty()
-            && matches!((&self.of, &self.capacities), (Which::Same(_), Capacities::Same(_)));
+            && matches!((&self.of, &*self.capacities), (Which::Same(_), Capacities::Same(_)));
         for places in [before, near, behind] {
             for k in within(&melting.places, &places) {
                 given += match is_plain {
-                    true => self.add_of::<true>(melting, k, operator, potentials, &own, rates),
-                    false => self.add_of::<false>(melting, k, operator, potentials, &own, rates),
+                    true => self.add_of::<true, O>(melting, k, operator, potentials, &own, rates),
+                    false => self.add_of::<false, O>(melting, k, operator, potentials, &own, rates),
                 };
             }
         }
@@ -133,11 +132,11 @@ impl MeltingPlaces {
     /// The same of one that melts. Of a `PLAIN` scene all particles are of one material and one size, and none is
     /// held.
     #[inline(always)]
-    fn add_of<const PLAIN: bool>(
+    fn add_of<const PLAIN: bool, O: CpuOperator + ?Sized>(
         &self,
         melting: &Melting,
         k: usize,
-        operator: &dyn CpuOperator,
+        operator: &O,
         potentials: &[f64],
         own: &Range<usize>,
         rates: &mut [f64],
@@ -188,14 +187,9 @@ impl MeltingPlaces {
         }
     }
 
-    /// Bytes that it holds.
+    /// Bytes that it holds alone.
     pub(super) fn memory_bytes(&self) -> usize {
-        let materials = match &self.of {
-            Which::Same(_) => 0,
-            Which::Each(materials) => size_of_val(&**materials),
-        };
-        let places = self.places.as_ref().map_or(0, |places| size_of_val(&**places));
-        materials + places + self.capacities.memory_bytes()
+        self.places.as_ref().map_or(0, |places| size_of_val(&**places))
     }
 }
 

@@ -62,7 +62,7 @@ pub struct CpuBackend {
     /// What held particles and walls have given to the others: value x capacity.
     exchange: CompensatedSum,
     saved: Option<Saved>,
-    capacities: Capacities,
+    capacities: Arc<Capacities>,
     /// The aggregates of a coarse space, once a solver has one.
     aggregates: Aggregates,
     vectors: Count,
@@ -101,11 +101,14 @@ impl CpuBackend {
         let mut source = Vec::new();
         operator.sources().source_at(0.0, &mut source);
         let state = operator.by_place(&problem.potentials(&problem.initial));
-        let enthalpy = problem.has_curves().then(|| Enthalpy::new(problem, &*operator));
+        let capacities =
+            Arc::new(Capacities::of(&problem.capacities(), |each| operator.by_place(each)));
+        let enthalpy =
+            problem.has_curves().then(|| Enthalpy::new(problem, &*operator, &capacities));
         Self {
             // What is at no particle stays 0.
             next: vec![0.0; state.len()],
-            capacities: Capacities::of(&problem.capacities(), |each| operator.by_place(each)),
+            capacities,
             operator,
             source,
             state,

@@ -111,15 +111,17 @@ pub(super) trait CpuOperator: Send + Sync {
     /// what these gave, value x capacity / s.
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
 
-    /// Adds `dt` (s) times the rates to `enthalpy`, what fronts change of them included, and writes the potentials that come of it; returns what
-    /// held particles gave, value x capacity / s.
+    /// Adds `dt` (s) times the rates to `enthalpy`, with what fronts change of them, and writes the potentials that
+    /// come of it; returns what held particles gave, value x capacity / s.
     fn step_enthalpy(
         &self,
         now: &Now<'_>,
         out: &mut [f64],
         enthalpy: &mut Enthalpy,
         dt: f64,
-    ) -> f64;
+    ) -> f64 {
+        step_in_turn(self, now, out, enthalpy, dt)
+    }
 
     /// Writes 0 where there is no particle.
     fn clear_absent(&self, _out: &mut [f64]) {}
@@ -132,8 +134,8 @@ pub(super) trait CpuOperator: Send + Sync {
 }
 
 /// A step of an enthalpy that finds all rates first.
-pub(super) fn step_in_turn(
-    operator: &dyn CpuOperator,
+pub(super) fn step_in_turn<O: CpuOperator + ?Sized>(
+    operator: &O,
     now: &Now<'_>,
     out: &mut [f64],
     enthalpy: &mut Enthalpy,

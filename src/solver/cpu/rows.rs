@@ -1,7 +1,6 @@
 //! Assembled rows as an operator.
 
-use super::enthalpy::Enthalpy;
-use super::operator::{Combine, CpuOperator, Entries, Now, step_in_turn};
+use super::operator::{Combine, CpuOperator, Entries, Now};
 use crate::model::Problem;
 use crate::model::operator::SourceRows;
 use crate::model::operator::rows::Rows;
@@ -50,16 +49,6 @@ impl CpuOperator for StoredRows {
 
     fn reach(&self) -> usize {
         self.order.len()
-    }
-
-    fn step_enthalpy(
-        &self,
-        now: &Now<'_>,
-        out: &mut [f64],
-        enthalpy: &mut Enthalpy,
-        dt: f64,
-    ) -> f64 {
-        step_in_turn(self, now, out, enthalpy, dt)
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {

@@ -3,7 +3,7 @@
 use super::fronts::FrontMakes;
 use super::passes::{
     CHUNK, COMBINATION, GRID, HELD_BIT, MARKED_MASK, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE,
-    WALL_BIT, WALL_SETUP, WallTerms, arithmetic, block, given, read, value, write,
+    WALL_BIT, WALL_SETUP, WHOLE, WallTerms, arithmetic, block, given, read, value, write,
 };
 use crate::gpu::{Binding, Constant, Element, PassSource, Real};
 use crate::model::kernel::SUPPORT_MARGIN;
@@ -12,9 +12,6 @@ use crate::solver::Precision;
 
 /// The sum over neighbours that are searched for.
 const SEARCHED: &str = "rows/searched";
-
-/// The state as sums find it.
-const WHOLE: &str = "state/whole";
 
 /// Where the sums over neighbours find them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,10 +202,7 @@ impl Choices {
     /// where places melt as their material does.
     pub fn front(&self, each: bool, makes: FrontMakes) -> PassSource {
         let mut source = Self { walls: WallTerms::None, ..*self }.on_rows("front");
-        let state = makes.add_to(&mut source, self.precision, each, false);
-        for slot in source.slots.iter_mut().filter(|slot| *slot == WHOLE) {
-            *slot = state.to_owned();
-        }
+        makes.add_to(&mut source, self.precision, each, false);
         source
     }
 

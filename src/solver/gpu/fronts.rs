@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::enthalpy::Enthalpy;
-use super::passes::{read, value, write};
+use super::passes::{SPLIT, WHOLE, read, value, write};
 use crate::gpu::{Buffer, Constant, Device, Element, GpuError, PassSource};
 use crate::model::Problem;
 use crate::model::operator::Fronts;
@@ -31,15 +31,14 @@ impl FrontMakes {
         if is_split { &[Self::Flows] } else { &[Self::Marks, Self::Flows] }
     }
 
-    /// Adds to the pass `source` of a step what it needs for this; returns the slot that takes the place of that
-    /// of the state.
+    /// Makes the pass `source` of a step one of this: sums find flows or marks where they would find the state.
     pub(super) fn add_to(
         self,
         source: &mut PassSource,
         precision: Precision,
         each: bool,
         is_split: bool,
-    ) -> &'static str {
+    ) {
         let contents: &[&str] = match is_split {
             true => &["content", "content_below", "content_above"],
             false => &["content"],
@@ -58,9 +57,12 @@ impl FrontMakes {
             if is_split { "front/split" } else { "front/whole" },
         ];
         source.slots.extend(slots.map(str::to_owned));
-        match self {
+        let found = match self {
             Self::Marks => "front/marking",
             Self::Flows => "front/flowing",
+        };
+        for slot in source.slots.iter_mut().filter(|slot| [WHOLE, SPLIT].contains(&&***slot)) {
+            *slot = found.to_owned();
         }
     }
 }

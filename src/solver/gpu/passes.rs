@@ -6,6 +6,12 @@ use crate::solver::Precision;
 
 pub use super::choices::{Choices, Neighbors};
 
+/// The slot of a state in one buffer, as sums find it.
+pub(super) const WHOLE: &str = "state/whole";
+
+/// The slot of a state in parts.
+pub(super) const SPLIT: &str = "lattice/split";
+
 /// Rows of a slice of the neighbour list: the invocations that most GPUs run in step.
 pub const SLICE_ROWS: u32 = 32;
 

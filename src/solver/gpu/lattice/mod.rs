@@ -12,7 +12,7 @@ use super::GpuOptions;
 use super::fronts::{FrontFields, FrontMakes};
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
-use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
+use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource, Real};
 use crate::model::lattice::{Edge, End, LatticeScene, MixedScene};
 use crate::model::operator::{FoldNeeds, SomeRows, SourceRows};
 use crate::solver::Precision;
@@ -143,18 +143,7 @@ impl Lattice {
         makes: Makes,
         fields: &Fields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
-        let mut passes = Vec::new();
-        for &sites in self.source.sites_of(makes) {
-            let source = self.source.pass(sites, makes);
-            for (k, part) in self.parts.iter().enumerate() {
-                let threads = part.threads(sites);
-                if threads > 0 {
-                    let buffers = self.buffers(k, sites, makes, fields);
-                    passes.push(device.pass(&source, &buffers, threads as u64)?);
-                }
-            }
-        }
-        Ok(passes)
+        self.passes_with(device, makes, fields, |sites| self.source.pass(sites, makes), None)
     }
 
     /// The passes that change of an explicit Euler step what fronts do, in order.
@@ -164,19 +153,34 @@ impl Lattice {
         fields: &Fields<'_>,
         front: &FrontFields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
-        let mut passes = Vec::new();
         let fields = Fields { walls: None, ..*fields };
+        let mut passes = Vec::new();
         for &makes in FrontMakes::of(self.source.is_split) {
-            for &sites in self.source.sites_of(Makes::Step) {
-                let source = self.source.front(sites, makes);
-                for (k, part) in self.parts.iter().enumerate() {
-                    let threads = part.threads(sites);
-                    if threads > 0 {
-                        let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
-                        let beside = self.source.is_split.then_some(part.beside);
-                        buffers.extend(front.buffers(k, beside));
-                        passes.push(device.pass(&source, &buffers, threads as u64)?);
-                    }
+            let source = |sites| self.source.front(sites, makes);
+            passes.extend(self.passes_with(device, Makes::Step, &fields, source, Some(front))?);
+        }
+        Ok(passes)
+    }
+
+    /// The passes of `source` of all parts, which have the buffers of what `makes` and those of fronts.
+    fn passes_with(
+        &self,
+        device: &Device,
+        makes: Makes,
+        fields: &Fields<'_>,
+        source: impl Fn(Sites) -> PassSource,
+        front: Option<&FrontFields<'_>>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        let mut passes = Vec::new();
+        for &sites in self.source.sites_of(makes) {
+            let source = source(sites);
+            for (k, part) in self.parts.iter().enumerate() {
+                let threads = part.threads(sites);
+                if threads > 0 {
+                    let mut buffers = self.buffers(k, sites, makes, fields);
+                    let beside = self.source.is_split.then_some(part.beside);
+                    buffers.extend(front.iter().flat_map(|front| front.buffers(k, beside)));
+                    passes.push(device.pass(&source, &buffers, threads as u64)?);
                 }
             }
         }

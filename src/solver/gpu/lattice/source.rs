@@ -8,8 +8,8 @@ use crate::solver::Precision;
 use crate::solver::gpu::fronts::FrontMakes;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
-    COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE, WallTerms, arithmetic, block, given,
-    read, value, write,
+    COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, SPLIT, STEP_SIZE, WHOLE, WallTerms, arithmetic,
+    block, given, read, value, write,
 };
 
 /// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
@@ -29,11 +29,6 @@ pub static PART: BlockLayout = BlockLayout {
 
 /// The most neighbours whose sum is written out. A longer one is a loop, which compiles faster.
 const WRITTEN_OUT: usize = 128;
-
-/// The state in one buffer.
-const WHOLE: &str = "state/whole";
-/// The state in parts.
-const SPLIT: &str = "lattice/split";
 
 /// What the shaders of a lattice follow from.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,10 +163,7 @@ impl StencilSource {
             Sites::All => "lattice_front",
             Sites::Exceptions => "exception_front",
         };
-        let state = makes.add_to(&mut source, self.precision, false, self.is_split);
-        for slot in source.slots.iter_mut().filter(|slot| [WHOLE, SPLIT].contains(&&***slot)) {
-            *slot = state.to_owned();
-        }
+        makes.add_to(&mut source, self.precision, false, self.is_split);
         source
     }
 
@@ -335,18 +327,8 @@ pub(super) fn ends(scene: &LatticeScene) -> ([bool; 3], u32) {
 
 /// Sites to each neighbour and its weight times `scale`, by distance.
 pub(super) fn entries(scene: &LatticeScene, scale: f64) -> Vec<([isize; 3], f64)> {
-    let mut entries = Vec::new();
-    for class in &scene.classes {
-        for &[y, z] in &class.lines {
-            let reach = class.weights.len() as isize - 1;
-            for x in -reach..=reach {
-                let weight = class.weights[x.unsigned_abs()];
-                if weight != 0.0 {
-                    entries.push(([x, y, z], scale * weight));
-                }
-            }
-        }
-    }
+    let scaled = |(steps, weight): ([isize; 3], f64)| (steps, scale * weight);
+    let mut entries: Vec<([isize; 3], f64)> = scene.steps().map(scaled).collect();
     let squared = |[x, y, z]: [isize; 3]| x * x + y * y + z * z;
     entries.sort_by_key(|&(steps, _)| squared(steps));
     // One weight a distance: those of equal ones may differ in their last bit.
