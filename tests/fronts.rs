@@ -105,6 +105,26 @@ fn paths_of_the_cpu_agree_and_keep_the_energy() {
 }
 
 #[test]
+fn places_without_a_particle_do_not_melt() {
+    let scene = sheet([50, 40], true, false);
+    // So much colder, the 0 that stands for none is a melting enthalpy.
+    let by = 515.0;
+    let mut case: Value = scene.resolved.clone();
+    let lowered = |value: &mut Value| *value = json!(value.as_f64().expect("a temperature") - by);
+    lowered(&mut case["materials"]["tin"]["melting_temperature"]);
+    (0..3).for_each(|k| lowered(&mut case["initial"][k]["value"]));
+    lowered(&mut case["boundaries"][1]["held"]["value"]);
+    lowered(&mut case["boundaries"][2]["wall"]["kind"]["value"]);
+    let colder = load(&case).unwrap_or_else(|error| panic!("{error}"));
+    let (report, fields) = temperatures(&scene, &Machine::Cpu, PathWish::Lattice);
+    let (_, lowered) = temperatures(&colder, &Machine::Cpu, PathWish::Lattice);
+    assert_eq!(&*report.path, "mixed");
+    let lowered: Vec<f64> = lowered.iter().map(|value| value + by).collect();
+    let off = furthest(&fields, &lowered);
+    assert!(off < 1e-9, "{off:e} K");
+}
+
+#[test]
 fn a_gpu_has_the_fronts_of_the_cpu_on_every_path() {
     for (hole, two) in [(false, false), (true, false), (false, true)] {
         let scene = sheet([50, 40], hole, two);

@@ -49,6 +49,13 @@ pub fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// One or the other of two numbers, without a branch, so that processors work on several at once.
+#[inline(always)]
+pub fn choose(first: bool, one: f64, other: f64) -> f64 {
+    let mask = u64::from(first).wrapping_neg();
+    f64::from_bits((mask & one.to_bits()) | (!mask & other.to_bits()))
+}
+
 /// Has the processor fetch the line at `address` for a read to come; where nothing lies there, nothing
 /// happens.
 #[inline(always)]

@@ -100,7 +100,8 @@ impl LatticeScene {
     /// The place of a site along each axis.
     pub(crate) fn at(&self, site: usize) -> [usize; 3] {
         let [nx, ny, _] = self.counts;
-        [site % nx, site / nx % ny, site / (nx * ny)]
+        let line = site / nx;
+        [site - line * nx, line % ny, line / ny]
     }
 
     /// The particle at a site that has one.

@@ -164,13 +164,6 @@ impl LatticeScene {
         self.reach * strides[last] + steps.sum::<usize>()
     }
 
-    /// Whether a site is no nearer to an end than the stencil reaches.
-    pub fn is_inner(&self, site: usize) -> bool {
-        let at = self.at(site);
-        (0..self.dimension)
-            .all(|axis| at[axis] >= self.reach && at[axis] + self.reach < self.counts[axis])
-    }
-
     /// Calls `visit(other, weight)` for every neighbour of a site, with its weight (1/s) and what ghosts of it
     /// add to that, each by itself.
     pub fn entries(&self, site: usize, mut visit: impl FnMut(usize, f64)) {

@@ -21,7 +21,7 @@ pub use bodies::floating_bodies;
 pub use fronts::{Front, Fronts};
 pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
-pub use seams::{Seam, SeamPair, Seams};
+pub use seams::{Seam, Seams};
 pub use some_rows::{SomeRows, Visit, within};
 pub use source_rows::{FoldNeeds, SourceRows};
 pub use weight::{Correction, PairWeight};

@@ -1,10 +1,14 @@
 //! The CPU backend: f64, on every core.
 
 mod aggregates;
+mod course;
 mod enthalpy;
+mod entries;
 mod fronts;
+mod latent;
 mod lattice;
 mod operator;
+mod partial_step;
 mod rows;
 mod vector;
 
@@ -133,6 +137,13 @@ impl CpuBackend {
         self.enthalpy.as_ref().map_or(&self.state, Enthalpy::values)
     }
 
+    /// Brings all enthalpies to where Euler's steps have left them.
+    fn settle(&mut self) {
+        if let Some(enthalpy) = &mut self.enthalpy {
+            enthalpy.settle(&self.state, &*self.operator);
+        }
+    }
+
     fn field(&self, values: &[f64]) -> CpuField {
         CpuField(self.operator.by_particle(values))
     }
@@ -144,6 +155,9 @@ impl Backend for CpuBackend {
 
     fn euler(&mut self, time: f64, dt: f64, count: u64) -> Result<(), SolverError> {
         let mut next = std::mem::take(&mut self.next);
+        if let Some(enthalpy) = &mut self.enthalpy {
+            enthalpy.begin(&self.state, &*self.operator);
+        }
         for step in 0..count {
             self.update_source(time + step as f64 * dt);
             let now = Now::state(&self.state, &self.source);
@@ -164,10 +178,12 @@ impl Backend for CpuBackend {
     }
 
     fn read(&mut self) -> Result<CpuField, SolverError> {
+        self.settle();
         Ok(self.field(self.content()))
     }
 
     fn rate(&mut self, time: f64) -> Result<CpuField, SolverError> {
+        self.settle();
         self.update_source(time);
         let mut rates = vec![0.0; self.state.len()];
         let now = Now::state(&self.state, &self.source);
@@ -183,14 +199,24 @@ impl Backend for CpuBackend {
     }
 
     fn is_finite(&mut self) -> Result<bool, SolverError> {
-        Ok(self.content().par_chunks(CHUNK).all(|part| part.iter().all(|x| x.is_finite())))
+        let is_finite = |values: &[f64]| {
+            values.par_chunks(CHUNK).all(|part| part.iter().all(|x| x.is_finite()))
+        };
+        // Where all potentials are, all enthalpies are.
+        if is_finite(&self.state) {
+            return Ok(true);
+        }
+        self.settle();
+        Ok(is_finite(self.content()))
     }
 
     fn save(&mut self) -> Result<(), SolverError> {
+        self.settle();
         let saved = self.saved.get_or_insert_default();
         saved.state.clone_from(&self.state);
         if let Some(enthalpy) = &self.enthalpy {
-            saved.enthalpy.clone_from(&enthalpy.values);
+            saved.enthalpy.clear();
+            saved.enthalpy.extend_from_slice(enthalpy.values());
         }
         saved.exchange = self.exchange;
         Ok(())
@@ -200,8 +226,7 @@ impl Backend for CpuBackend {
         if let Some(saved) = &self.saved {
             self.state.clone_from(&saved.state);
             if let Some(enthalpy) = &mut self.enthalpy {
-                enthalpy.values.clone_from(&saved.enthalpy);
-                enthalpy.forget_fronts();
+                enthalpy.restore(&saved.enthalpy);
             }
             self.exchange = saved.exchange;
         }
@@ -230,6 +255,7 @@ impl Backend for CpuBackend {
     }
 
     fn rate_into(&mut self, time: f64, out: &mut CpuVector) -> Result<(), SolverError> {
+        self.settle();
         self.update_source(time);
         let now = Now::state(&self.state, &self.source);
         out.given = operator::apply(&*self.operator, &now, &mut out.values, RATE);
@@ -343,6 +369,7 @@ impl Backend for CpuBackend {
     }
 
     fn largest_value(&mut self) -> Result<f64, SolverError> {
+        self.settle();
         Ok(largest(self.content()))
     }
 
@@ -355,6 +382,7 @@ impl Backend for CpuBackend {
     }
 
     fn rate_change(&mut self, x: &CpuVector, out: &mut CpuVector) -> Result<(), SolverError> {
+        self.settle();
         let Some(enthalpy) = &self.enthalpy else {
             return self.apply(x, 0.0, 1.0, out);
         };
@@ -366,6 +394,7 @@ impl Backend for CpuBackend {
     }
 
     fn slope_root(&mut self, x: &CpuVector, out: &mut CpuVector) -> Result<(), SolverError> {
+        self.settle();
         out.given = 0.0;
         match &self.enthalpy {
             None => out.values.fill(1.0),
@@ -380,10 +409,11 @@ impl Backend for CpuBackend {
     }
 
     fn add(&mut self, x: &CpuVector) -> Result<(), SolverError> {
+        self.settle();
         if let Some(enthalpy) = &mut self.enthalpy {
             self.state.copy_from_slice(&x.values);
-            enthalpy.advance(&mut self.state, 1.0);
-            enthalpy.forget_fronts();
+            enthalpy.change(&mut self.state);
+            self.operator.clear_absent(&mut self.state);
             self.exchange.add(x.given);
             return Ok(());
         }

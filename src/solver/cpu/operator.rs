@@ -2,7 +2,13 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
+use super::CHUNK;
 use super::enthalpy::Enthalpy;
+use super::entries::Entries;
+use super::latent::Latent;
+use super::partial_step::PartialStep;
 use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
@@ -42,51 +48,6 @@ impl<'a> Now<'a> {
     }
 }
 
-/// The neighbours of a particle with their weights, 1/s; what walls add to weights is part of them.
-pub(super) enum Entries<'a> {
-    /// So many places from its own, ascending, and all weights times a factor.
-    Steps(&'a [(isize, f64)], f64),
-    /// Places and weights.
-    Row(&'a [u32], &'a [f64]),
-    /// Both; some may come more than once.
-    Found(Vec<(usize, f64)>),
-}
-
-impl Entries<'_> {
-    /// Those in `places` at least, of the particle in a place.
-    #[inline(always)]
-    pub(super) fn within(self, place: usize, places: &Range<usize>) -> Self {
-        match self {
-            Self::Steps(steps, factor) => {
-                let from = |bound: usize| {
-                    let step = bound.wrapping_sub(place) as isize;
-                    steps.partition_point(|&(other, _)| other < step)
-                };
-                Self::Steps(&steps[from(places.start)..from(places.end)], factor)
-            }
-            all => all,
-        }
-    }
-
-    /// Calls `visit(b, w_ab)` for those of the particle in a place.
-    #[inline(always)]
-    pub(super) fn for_each(&self, place: usize, mut visit: impl FnMut(usize, f64)) {
-        match self {
-            Self::Steps(steps, factor) => {
-                for &(step, weight) in *steps {
-                    visit(place.wrapping_add_signed(step), factor * weight);
-                }
-            }
-            Self::Row(others, weights) => {
-                for (&other, &weight) in others.iter().zip(*weights) {
-                    visit(other as usize, weight);
-                }
-            }
-            Self::Found(found) => found.iter().for_each(|&(other, weight)| visit(other, weight)),
-        }
-    }
-}
-
 /// An operator in memory, with values in an order of its own.
 pub(super) trait CpuOperator: Send + Sync {
     /// From the problem's order; 0 where there is no particle.
@@ -111,8 +72,8 @@ pub(super) trait CpuOperator: Send + Sync {
     /// what these gave, value x capacity / s.
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64;
 
-    /// Adds `dt` (s) times the rates to `enthalpy`, with what fronts change of them, and writes the potentials that
-    /// come of it; returns what held particles gave, value x capacity / s.
+    /// Takes `enthalpy` a step of `dt` (s) on, with what seams and fronts change of the rates: writes the potentials
+    /// after it; returns what held particles gave, value x capacity / s.
     fn step_enthalpy(
         &self,
         now: &Now<'_>,
@@ -123,7 +84,17 @@ pub(super) trait CpuOperator: Send + Sync {
         step_in_turn(self, now, out, enthalpy, dt)
     }
 
-    /// Writes 0 where there is no particle.
+    /// Whether there is a particle in a place.
+    fn has_particle(&self, _place: usize) -> bool {
+        true
+    }
+
+    /// Calls `visit` with the parts of `places` where there may be particles, ascending.
+    fn for_each_present(&self, places: Range<usize>, visit: &mut dyn FnMut(Range<usize>)) {
+        visit(places);
+    }
+
+    /// Writes 0 where there is no particle: steps leave it.
     fn clear_absent(&self, _out: &mut [f64]) {}
 
     /// A_aa, 1/s; -1 for held particles and where there is none.
@@ -134,20 +105,27 @@ pub(super) trait CpuOperator: Send + Sync {
 }
 
 /// A step of an enthalpy that finds all rates first.
-pub(super) fn step_in_turn<O: CpuOperator + ?Sized>(
+fn step_in_turn<O: CpuOperator + ?Sized>(
     operator: &O,
     now: &Now<'_>,
     out: &mut [f64],
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    let mut given = operator.apply(now, out, RATE) + enthalpy.add_seams(out);
-    operator.clear_absent(out);
-    if let Some(melting) = enthalpy.melting() {
-        given += enthalpy.add_fronts(&melting, operator, now.values, out);
-    }
-    enthalpy.advance(out, dt);
-    given
+    let of_seams = enthalpy.rates_of_seams(now.values);
+    let given = operator.apply(now, out, RATE);
+    // What melts is looked at again in every part that it has neighbours in.
+    let part = out.len().div_ceil(2 * rayon::current_num_threads()).max(CHUNK);
+    let parts = out.par_chunks_mut(part).enumerate();
+    let step = |(k, out): (usize, &mut [f64])| {
+        let places = k * part..k * part + out.len();
+        let mut step = PartialStep::new(enthalpy, operator, &of_seams, now.values, dt, places);
+        step.take_on(out, out.len());
+        step.finish()
+    };
+    let (of_parts, latent): (Vec<f64>, Vec<Latent>) = parts.map(step).unzip();
+    enthalpy.set_latent(Latent::of_parts(latent));
+    given + of_parts.iter().sum::<f64>()
 }
 
 /// As [`CpuOperator::apply`]; returns what walls gave as well.

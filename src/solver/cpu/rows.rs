@@ -1,6 +1,11 @@
 //! Assembled rows as an operator.
 
-use super::operator::{Combine, CpuOperator, Entries, Now};
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
+use super::entries::Entries;
+use super::operator::{Combine, CpuOperator, Now};
 use crate::model::Problem;
 use crate::model::operator::SourceRows;
 use crate::model::operator::rows::Rows;
@@ -12,12 +17,15 @@ pub(super) struct StoredRows {
     rows: Rows,
     /// Capacities of the held particles, by rank.
     held_capacity: Vec<f64>,
+    /// See [`CpuOperator::reach`].
+    reach: OnceLock<usize>,
 }
 
 impl StoredRows {
     pub(super) fn new(problem: &Problem, order: Vec<u32>, rows: Rows) -> Self {
         let capacity = |&rank: &u32| problem.capacity(order[rank as usize] as usize);
-        Self { held_capacity: rows.held_rank().iter().map(capacity).collect(), order, rows }
+        let held_capacity = rows.held_rank().iter().map(capacity).collect();
+        Self { held_capacity, order, rows, reach: OnceLock::new() }
     }
 }
 
@@ -48,7 +56,13 @@ impl CpuOperator for StoredRows {
     }
 
     fn reach(&self) -> usize {
-        self.order.len()
+        *self.reach.get_or_init(|| {
+            let of_row = |rank: usize| {
+                let (others, _) = self.rows.entries(rank);
+                others.iter().map(|&other| (other as usize).abs_diff(rank)).max().unwrap_or(0)
+            };
+            (0..self.order.len()).into_par_iter().map(of_row).max().unwrap_or(0)
+        })
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {

@@ -52,7 +52,7 @@ impl DeviceSeams {
         let (mut rows, mut others, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for row in seams.rows() {
             let first = others.len() as u32;
-            for &(other, material, weight) in row.pairs {
+            for &(other, material, weight) in &row.pairs {
                 let of = |m: u16| scale * problem.materials[usize::from(m)].conductivity;
                 let mean = problem.pair_mean.of(of(row.material), of(material));
                 others.push(other);

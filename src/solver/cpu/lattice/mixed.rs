@@ -4,11 +4,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::LatticeOperator;
+use super::around::Around;
 use super::kernel::{Run, Scratch};
-use super::{LatticeOperator, stencil_entries};
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, within};
-use crate::solver::cpu::operator::{Combine, Entries, Now, RATE};
+use crate::solver::cpu::entries::Entries;
+use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
 /// them, since a short part of a line costs as much as a long one.
@@ -101,17 +103,30 @@ impl LatticeOperator for Mixed {
         self.rows.sources()
     }
 
-    fn entries<'a>(&'a self, inner: &'a [(isize, f64)], site: usize) -> Entries<'a> {
+    fn entries<'a>(&'a self, around: &'a Around, site: usize) -> Entries<'a> {
         if let Some((others, weights)) = self.rows.entries_of(site) {
             return Entries::Row(others, weights);
-        }
-        if self.absent_from(site).next().is_some_and(|range| range.contains(&site)) {
-            return Entries::Found(Vec::new());
         }
         let ratios = &self.scene.ratios;
         let part = ratios.partition_point(|&(first, _)| first as usize <= site);
         let factor = if part > 0 { ratios[part - 1].1 } else { 1.0 };
-        stencil_entries(&self.scene.lattice, inner, site, factor)
+        around.entries(&self.scene.lattice, site, factor)
+    }
+
+    fn present(&self, sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let mut gaps = self.absent_from(sites.start).filter(|range| range.len() >= GAP);
+        let mut site = sites.start;
+        std::iter::from_fn(move || {
+            while site < sites.end {
+                let gap = gaps.next().unwrap_or(sites.end..sites.end);
+                let range = site..gap.start.min(sites.end);
+                site = gap.end;
+                if !range.is_empty() {
+                    return Some(range);
+                }
+            }
+            None
+        })
     }
 
     fn advance(
@@ -123,30 +138,24 @@ impl LatticeOperator for Mixed {
         combine: Combine,
     ) -> f64 {
         let end = first + out.len();
-        let mut gaps = self.absent_from(first).filter(|range| range.len() >= GAP);
-        let mut gap = gaps.next();
-        let mut site = first;
-        while site < end {
-            // Empty sites keep the 0 that they start with.
-            if let Some(empty) = gap.clone().filter(|range| range.start <= site) {
-                site = empty.end;
-                gap = gaps.next();
-                continue;
+        // Empty sites keep the 0 that they start with.
+        for Range { mut start, end } in self.present(first..end) {
+            while start < end {
+                let run = Run::starting(&self.scene.lattice, start, end - start);
+                let out = &mut out[start - first..start - first + run.length];
+                self.stencil(scratch, now, &run, out, combine);
+                start += run.length;
             }
-            let most = gap.as_ref().map_or(end, |range| range.start.min(end)) - site;
-            let run = Run::starting(&self.scene.lattice, site, most);
-            let out = &mut out[site - first..site - first + run.length];
-            self.stencil(scratch, now, &run, out, combine);
-            site += run.length;
         }
         self.rest(now, &(first..end), out, combine)
     }
 
-    fn clear_absent(&self, first: usize, out: &mut [f64]) {
-        let end = first + out.len();
-        for range in self.absent_from(first).take_while(|range| range.start < end) {
-            out[range.start.max(first) - first..range.end.min(end) - first].fill(0.0);
-        }
+    fn has_particle(&self, site: usize) -> bool {
+        self.absent_from(site).next().is_none_or(|range| !range.contains(&site))
+    }
+
+    fn clear_absent(&self, out: &mut [f64]) {
+        self.absent_from(0).for_each(|range| out[range].fill(0.0));
     }
 
     fn diagonal(&self) -> Vec<f64> {

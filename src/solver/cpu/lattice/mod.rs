@@ -1,25 +1,31 @@
 //! Lattices as an operator: a stencil, and nothing more but for the rows that need it. Places are sites.
 
+mod around;
 mod kernel;
 mod mixed;
 mod uniform;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
-use super::operator::{Combine, CpuOperator, Entries, Now, RATE, step_in_turn};
+use super::entries::Entries;
+use super::latent::Latent;
+use super::operator::{Combine, CpuOperator, Now, RATE};
+use super::partial_step::PartialStep;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
+use around::Around;
 use kernel::Scratch;
 pub(super) use mixed::Mixed;
 pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
-/// Such tasks as one at most where something may melt, and the parts that are left at least.
-const MOST_TASKS_AS_ONE: usize = 4;
-const LEAST_PARTS: usize = 8;
+/// Tasks at least, where there are more than that of such values.
+const LEAST_TASKS: usize = 16;
 /// Below this many particles one thread is faster than handing out tasks for every step.
 const SERIAL: usize = 1 << 15;
 
@@ -33,9 +39,9 @@ pub(super) trait LatticeOperator: Send + Sync {
     /// The rows that walls act on, by site.
     fn sources(&self) -> &SourceRows;
 
-    /// As [`CpuOperator::entries`]; `inner` are [`LatticeScene::inner_entries`].
-    fn entries<'a>(&'a self, inner: &'a [(isize, f64)], site: usize) -> Entries<'a> {
-        stencil_entries(self.scene(), inner, site, 1.0)
+    /// As [`CpuOperator::entries`], where the stencil has what is `around`.
+    fn entries<'a>(&'a self, around: &'a Around, site: usize) -> Entries<'a> {
+        around.entries(self.scene(), site, 1.0)
     }
 
     /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
@@ -49,8 +55,18 @@ pub(super) trait LatticeOperator: Send + Sync {
         combine: Combine,
     ) -> f64;
 
-    /// Writes 0 where there is no particle, from site `first` on.
-    fn clear_absent(&self, _first: usize, _out: &mut [f64]) {}
+    /// The parts of `sites` that are worked on, ascending: there are particles nowhere else.
+    fn present(&self, sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        [sites].into_iter()
+    }
+
+    /// Whether there is a particle at a site.
+    fn has_particle(&self, _site: usize) -> bool {
+        true
+    }
+
+    /// Writes 0 where there is no particle.
+    fn clear_absent(&self, _out: &mut [f64]) {}
 
     /// A_aa by site, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
@@ -59,38 +75,21 @@ pub(super) trait LatticeOperator: Send + Sync {
     fn memory_bytes(&self) -> usize;
 }
 
-/// The stencil of `scene` around a site, with weights times `factor`; `inner` are its
-/// [`LatticeScene::inner_entries`].
-fn stencil_entries<'a>(
-    scene: &LatticeScene,
-    inner: &'a [(isize, f64)],
-    site: usize,
-    factor: f64,
-) -> Entries<'a> {
-    if scene.is_inner(site) {
-        return Entries::Steps(inner, factor);
-    }
-    let mut found = Vec::with_capacity(inner.len());
-    scene.entries(site, |other, weight| found.push((other, factor * weight)));
-    Entries::Found(found)
-}
-
 /// A lattice that is worked on in parts.
 pub(super) struct Lattice<L> {
     of: L,
-    /// [`LatticeScene::inner_entries`].
-    inner: Vec<(isize, f64)>,
+    around: Around,
 }
 
 impl<L: LatticeOperator> Lattice<L> {
     pub(super) fn new(of: L) -> Self {
-        Self { inner: of.scene().inner_entries(), of }
+        Self { around: Around::of(of.scene()), of }
     }
 
-    /// Values of a task: whole lines, or a part of a line that is long.
-    fn task(&self) -> usize {
+    /// Values of whole lines, or of a part of a line that is long: `most`, or a line at least.
+    fn lines(&self, most: usize) -> usize {
         let nx = self.of.scene().counts[0];
-        if nx < TASK { nx * (TASK / nx).max(1) } else { TASK }
+        if nx < most { nx * (most / nx) } else { most }
     }
 }
 
@@ -112,7 +111,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     }
 
     fn entries(&self, place: usize) -> Entries<'_> {
-        self.of.entries(&self.inner, place)
+        self.of.entries(&self.around, place)
     }
 
     fn reach(&self) -> usize {
@@ -120,7 +119,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {
-        let task = self.task();
+        let task = self.lines(TASK);
         let scratch = || Scratch::new(self.of.scene());
         let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
             self.of.advance(scratch, now, k * task, out, combine)
@@ -135,10 +134,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     }
 
     fn clear_absent(&self, out: &mut [f64]) {
-        self.of.clear_absent(0, out);
+        self.of.clear_absent(out);
     }
 
-    /// Each part while it is in the cache: enthalpy costs little more than reading and writing it.
+    /// Each part while it is in the cache: enthalpy costs little more than its arithmetic.
     fn step_enthalpy(
         &self,
         now: &Now<'_>,
@@ -146,36 +145,41 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        if enthalpy.has_seams() {
-            return step_in_turn(self, now, out, enthalpy, dt);
-        }
-        let melting = enthalpy.melting();
-        // What melts is looked at again in every part that it has neighbours in.
-        let task = self.task();
-        let task = task * (out.len() / task / LEAST_PARTS).clamp(1, MOST_TASKS_AS_ONE);
-        let (curves, fronts, values) = enthalpy.parts();
+        let of_seams = enthalpy.rates_of_seams(now.values);
+        let before = &*enthalpy;
+        // What melts is looked at in every task that it has neighbours in.
+        let (task, part) = (self.lines(TASK), self.lines(1 << 13));
+        let task = task * (out.len() / task / LEAST_TASKS).max(1);
         let scratch = || Scratch::new(self.of.scene());
-        let advance =
-            |scratch: &mut Scratch, (k, (out, values)): (usize, (&mut [f64], &mut [f64]))| {
-                let mut given = self.of.advance(scratch, now, k * task, out, RATE);
-                self.of.clear_absent(k * task, out);
-                if let Some((fronts, melting)) = fronts.zip(melting.as_ref()) {
-                    given += fronts.add(melting, self, now.values, k * task, out);
-                }
-                curves.advance(k * task, values, out, dt);
-                (given, fronts.map(|fronts| fronts.among(k * task, values)).unwrap_or_default())
-            };
-        let parts: Vec<(f64, Vec<u32>)> = if out.len() < SERIAL {
-            let mut scratch = scratch();
-            let parts = out.chunks_mut(task).zip(values.chunks_mut(task)).enumerate();
-            parts.map(|part| advance(&mut scratch, part)).collect()
-        } else {
-            let parts = out.par_chunks_mut(task).zip(values.par_chunks_mut(task)).enumerate();
-            parts.map_init(scratch, advance).collect()
+        let step = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
+            let places = k * task..k * task + out.len();
+            let mut given = 0.0;
+            let mut step = PartialStep::new(before, self, &of_seams, now.values, dt, places);
+            for known in (0..out.len()).step_by(part) {
+                let next = (known + part).min(out.len());
+                let of_part = &mut out[known..next];
+                given += self.of.advance(scratch, now, k * task + known, of_part, RATE);
+                step.take_on(out, next);
+            }
+            let (by_held, latent) = step.finish();
+            (given + by_held, latent)
         };
-        let given = parts.iter().map(|(given, _)| given).sum();
-        enthalpy.set_melting(parts.into_iter().flat_map(|(_, melting)| melting).collect());
-        given
+        let (given, latent): (Vec<f64>, Vec<Latent>) = if out.len() < SERIAL {
+            let mut scratch = scratch();
+            out.chunks_mut(task).enumerate().map(|part| step(&mut scratch, part)).unzip()
+        } else {
+            out.par_chunks_mut(task).enumerate().map_init(scratch, step).unzip()
+        };
+        enthalpy.set_latent(Latent::of_parts(latent));
+        given.iter().sum()
+    }
+
+    fn has_particle(&self, place: usize) -> bool {
+        self.of.has_particle(place)
+    }
+
+    fn for_each_present(&self, places: Range<usize>, visit: &mut dyn FnMut(Range<usize>)) {
+        self.of.present(places).for_each(visit);
     }
 
     fn diagonal(&self) -> Vec<f64> {

@@ -1,0 +1,67 @@
+//! The neighbours of a particle, as operators have them.
+
+use crate::model::lattice::LatticeScene;
+
+/// Places of a line.
+pub(super) const LANES: usize = 4;
+
+/// Where the neighbours of a particle are from its own place, in lines: places that follow each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Lines {
+    /// How far the first line begins from the particle.
+    first: isize,
+    /// How far each begins from the first.
+    pub(super) ahead: Vec<usize>,
+    /// Of each line, 1/s; 0 where there is no neighbour.
+    pub(super) weights: Vec<f64>,
+}
+
+impl Lines {
+    /// Those of neighbours so many places away, which ascend, with their weights.
+    pub(super) fn of(entries: &[(isize, f64)]) -> Self {
+        let first = entries.first().map_or(0, |&(step, _)| step);
+        let mut lines = Self { first, ..Self::default() };
+        for &(step, weight) in entries {
+            let ahead = (step - first) as usize;
+            if lines.ahead.last().is_none_or(|last| ahead >= last + LANES) {
+                lines.ahead.push(ahead);
+                lines.weights.extend([0.0; LANES]);
+            }
+            let last = lines.ahead.len() - 1;
+            lines.weights[last * LANES + ahead - lines.ahead[last]] = weight;
+        }
+        lines
+    }
+
+    /// Where the first begins around a particle.
+    #[inline(always)]
+    pub(super) fn start(&self, place: usize) -> usize {
+        place.wrapping_add_signed(self.first)
+    }
+
+    /// How far the last ends from where the first begins.
+    #[inline(always)]
+    pub(super) fn span(&self) -> usize {
+        self.ahead.last().map_or(0, |last| last + LANES)
+    }
+
+    /// Calls `visit(b, w_ab)` for the neighbours of the particle in a place.
+    #[inline(always)]
+    pub(super) fn for_each(&self, place: usize, mut visit: impl FnMut(usize, f64)) {
+        let start = self.start(place);
+        for (weights, ahead) in self.weights.chunks_exact(LANES).zip(&self.ahead) {
+            let there = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+            there.for_each(|(x, weight)| visit(start + ahead + x, *weight));
+        }
+    }
+}
+
+/// The neighbours of a particle with their weights, 1/s; what walls add to weights is part of them.
+pub(super) enum Entries<'a> {
+    /// In lines, and all weights times a factor.
+    Lines(&'a Lines, f64),
+    /// Places and weights.
+    Row(&'a [u32], &'a [f64]),
+    /// Those around a site, and all weights times a factor; some may come more than once.
+    Site(&'a LatticeScene, usize, f64),
+}
