@@ -158,12 +158,6 @@ impl Seams {
         given
     }
 
-    /// Whether one of its rows is at `places`.
-    pub fn has_row_within(&self, places: &Range<usize>) -> bool {
-        let next = self.rows.partition_point(|row| (row.place as usize) < places.start);
-        self.rows.get(next).is_some_and(|row| (row.place as usize) < places.end)
-    }
-
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = Seam> + '_ {
         (0..self.rows.len()).map(|row| {
@@ -201,7 +195,6 @@ impl Seams {
 }
 
 /// What a particle is like.
-#[derive(Clone, Copy)]
 struct Local {
     temperature: f64,
     potential: f64,

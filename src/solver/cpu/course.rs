@@ -295,19 +295,23 @@ fn is_above(potential: f64, piece: &Piece) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::model::wide;
     use crate::model::{Conductivity, Melting};
 
-    fn curves() -> Vec<HeatCurve> {
-        let melting = |liquidus: f64| Melting {
+    /// Melting between 400 K and a liquidus (K).
+    pub(in crate::solver::cpu) fn melting(liquidus: f64) -> Melting {
+        Melting {
             solidus: 400.0,
             liquidus,
             latent: 5e8,
             conductivity: Conductivity::constant(200.0),
             capacity: 3e6,
-        };
+        }
+    }
+
+    fn curves() -> Vec<HeatCurve> {
         let points = (0..9).map(|k| [300.0 + 10.0 * f64::from(k), 300.0 + f64::from(k * k)]);
         let many = Conductivity::of_points(points.collect());
         let constant = Conductivity::constant(300.0);

@@ -356,18 +356,12 @@ impl Change<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::course::tests::melting;
     use super::*;
-    use crate::model::{Conductivity, Melting};
+    use crate::model::Conductivity;
 
     #[test]
     fn what_pieces_add_up_to_is_the_potential() {
-        let melting = |liquidus: f64| Melting {
-            solidus: 400.0,
-            liquidus,
-            latent: 5e8,
-            conductivity: Conductivity::constant(200.0),
-            capacity: 3e6,
-        };
         let rising = Conductivity::of_points(vec![[300.0, 300.0], [350.0, 320.0]]);
         let curves = [
             (HeatCurve::new(&Conductivity::constant(300.0), 2.5e6, Some(&melting(400.0))), Some(2)),

@@ -60,7 +60,7 @@ impl Queue {
                 let near = &mut self.rest[1];
                 let places = &latent.places()[near.clone()];
                 let ready = |place: &u32| *place as usize + self.reach < seen;
-                let split = near.start + places.iter().take_while(|&place| ready(place)).count();
+                let split = near.start + places.partition_point(ready);
                 let next = near.start..split;
                 near.start = split;
                 [0..0, next, 0..0]

@@ -104,6 +104,9 @@ pub(super) trait CpuOperator: Send + Sync {
     fn memory_bytes(&self) -> u64;
 }
 
+/// Parts at most of a step that finds all rates first.
+const PARTS: usize = 8;
+
 /// A step of an enthalpy that finds all rates first.
 fn step_in_turn<O: CpuOperator + ?Sized>(
     operator: &O,
@@ -114,8 +117,9 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
 ) -> f64 {
     let of_seams = enthalpy.rates_of_seams(now.values);
     let given = operator.apply(now, out, RATE);
-    // What melts is looked at again in every part that it has neighbours in.
-    let part = out.len().div_ceil(2 * rayon::current_num_threads()).max(CHUNK);
+    // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
+    // the number of threads.
+    let part = out.len().div_ceil(PARTS).max(CHUNK);
     let parts = out.par_chunks_mut(part).enumerate();
     let step = |(k, out): (usize, &mut [f64])| {
         let places = k * part..k * part + out.len();

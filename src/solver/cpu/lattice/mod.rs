@@ -24,6 +24,8 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
+/// Values of a task whose rates become potentials together, about: they stay in a fast cache.
+const PART: usize = 1 << 13;
 /// Tasks at least, where there are more than that of such values.
 const LEAST_TASKS: usize = 16;
 /// Below this many particles one thread is faster than handing out tasks for every step.
@@ -146,15 +148,15 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         dt: f64,
     ) -> f64 {
         let of_seams = enthalpy.rates_of_seams(now.values);
-        let before = &*enthalpy;
+        let as_it_begins = &*enthalpy;
         // What melts is looked at in every task that it has neighbours in.
-        let (task, part) = (self.lines(TASK), self.lines(1 << 13));
+        let (task, part) = (self.lines(TASK), self.lines(PART));
         let task = task * (out.len() / task / LEAST_TASKS).max(1);
         let scratch = || Scratch::new(self.of.scene());
         let step = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
             let places = k * task..k * task + out.len();
             let mut given = 0.0;
-            let mut step = PartialStep::new(before, self, &of_seams, now.values, dt, places);
+            let mut step = PartialStep::new(as_it_begins, self, &of_seams, now.values, dt, places);
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
                 let of_part = &mut out[known..next];
