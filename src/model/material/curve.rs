@@ -48,6 +48,21 @@ pub struct Segment {
     pub bend: f64,
 }
 
+impl Segment {
+    fn temperature_at(&self, enthalpy: f64) -> f64 {
+        self.temperature + self.warming * (enthalpy - self.start)
+    }
+
+    fn potential_at(&self, enthalpy: f64) -> f64 {
+        let above = enthalpy - self.start;
+        self.potential + above * (self.slope + self.bend * above)
+    }
+
+    fn slope_at(&self, enthalpy: f64) -> f64 {
+        self.slope + 2.0 * self.bend * (enthalpy - self.start)
+    }
+}
+
 /// Temperature and potential of a material as functions of its enthalpy. Both never fall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatCurve {
@@ -195,21 +210,24 @@ impl HeatCurve {
 
     /// T at an enthalpy (K), K.
     pub fn temperature(&self, enthalpy: f64) -> f64 {
-        let segment = self.segment(enthalpy);
-        segment.temperature + segment.warming * (enthalpy - segment.start)
+        self.segment(enthalpy).temperature_at(enthalpy)
     }
 
     /// psi at an enthalpy (K), K.
     pub fn potential(&self, enthalpy: f64) -> f64 {
+        self.segment(enthalpy).potential_at(enthalpy)
+    }
+
+    /// T (K), psi (K) and k (W/(m K)) at an enthalpy (K).
+    pub fn state(&self, enthalpy: f64) -> [f64; 3] {
         let segment = self.segment(enthalpy);
-        let above = enthalpy - segment.start;
-        segment.potential + above * (segment.slope + segment.bend * above)
+        let conductivity = self.conductivity_in(segment, enthalpy);
+        [segment.temperature_at(enthalpy), segment.potential_at(enthalpy), conductivity]
     }
 
     /// d psi / d theta at an enthalpy (K).
     pub fn slope(&self, enthalpy: f64) -> f64 {
-        let segment = self.segment(enthalpy);
-        segment.slope + 2.0 * segment.bend * (enthalpy - segment.start)
+        self.segment(enthalpy).slope_at(enthalpy)
     }
 
     /// The largest d psi / d theta: what explicit steps have to be shorter by.
@@ -235,7 +253,10 @@ impl HeatCurve {
 
     /// k at an enthalpy (K), W/(m K).
     pub fn conductivity(&self, enthalpy: f64) -> f64 {
-        let segment = self.segment(enthalpy);
+        self.conductivity_in(self.segment(enthalpy), enthalpy)
+    }
+
+    fn conductivity_in(&self, segment: &Segment, enthalpy: f64) -> f64 {
         match segment.warming {
             // Where all heat is latent psi is flat: k goes from one side to the other with the liquid.
             0.0 => {
@@ -243,7 +264,7 @@ impl HeatCurve {
                 let sides = [begins.next_down(), ends].map(|side| self.conductivity(side));
                 sides[0] + (sides[1] - sides[0]) * self.liquid_fraction(enthalpy)
             }
-            warming => self.reference * self.slope(enthalpy) / warming,
+            warming => self.reference * segment.slope_at(enthalpy) / warming,
         }
     }
 

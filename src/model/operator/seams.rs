@@ -15,7 +15,7 @@ use super::fold::RowFold;
 use super::rows::{Walk, cell_grid, tasks};
 use crate::model::material::Material;
 use crate::model::neighbors::Scratch;
-use crate::model::{HeatCurve, PairMean, Problem};
+use crate::model::{PairMean, Problem};
 
 /// Rows that one parallel task works on, at least.
 const ROWS_OF_A_TASK: usize = 1 << 9;
@@ -178,14 +178,10 @@ impl Seams {
 
     fn at(&self, material: u16, enthalpy: f64) -> Local {
         let material = &self.materials[usize::from(material)];
-        let of = |of: fn(&HeatCurve, f64) -> f64, plain: f64| {
-            material.curve.as_ref().map_or(plain, |curve| of(curve, enthalpy))
-        };
-        Local {
-            temperature: of(HeatCurve::temperature, enthalpy),
-            potential: of(HeatCurve::potential, enthalpy),
-            conductivity: of(HeatCurve::conductivity, material.conductivity),
-        }
+        let plain = || [enthalpy, enthalpy, material.conductivity];
+        let [temperature, potential, conductivity] =
+            material.curve.as_ref().map_or_else(plain, |curve| curve.state(enthalpy));
+        Local { temperature, potential, conductivity }
     }
 
     /// Bytes that they hold.

@@ -227,6 +227,18 @@ impl<W: FnMut(usize, f64)> Work for Rates<'_, W> {
 
 /// Which of `ranks`, which ascend, are in `range`.
 pub fn within(ranks: &[u32], range: &Range<usize>) -> Range<usize> {
-    let place = |rank: usize| ranks.partition_point(|&r| (r as usize) < rank);
-    place(range.start)..place(range.end)
+    let start = ranks.partition_point(|&rank| (rank as usize) < range.start);
+    start..start + leading(&ranks[start..], range.end)
+}
+
+/// How many of ascending ranks are below an end: few as a rule.
+pub fn leading(ranks: &[u32], end: usize) -> usize {
+    let is_below = |rank: &u32| (*rank as usize) < end;
+    let mut most = 1;
+    while ranks.get(most - 1).is_some_and(is_below) {
+        most *= 2;
+    }
+    // Those before the half were below.
+    let half = most / 2;
+    half + ranks[half..most.min(ranks.len())].partition_point(is_below)
 }

@@ -45,6 +45,21 @@ impl Lines {
         self.ahead.last().map_or(0, |last| last + LANES)
     }
 
+    /// Whether all that the lines of so many particles from `place` on go over has the value of the first.
+    #[inline(always)]
+    pub(super) fn are_all<T: Copy + PartialEq>(
+        &self,
+        place: usize,
+        count: usize,
+        values: &[T],
+    ) -> bool {
+        let (start, own) = (self.start(place), values[place]);
+        self.ahead.iter().all(|ahead| {
+            let line = values.get(start + ahead..start + ahead + LANES + count - 1);
+            line.is_some_and(|line| line.iter().fold(true, |all, value| all & (*value == own)))
+        })
+    }
+
     /// Calls `visit(b, w_ab)` for the neighbours of the particle in a place.
     #[inline(always)]
     pub(super) fn for_each(&self, place: usize, mut visit: impl FnMut(usize, f64)) {

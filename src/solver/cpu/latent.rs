@@ -1,11 +1,6 @@
-//! Particles whose potential does not tell their enthalpy.
+//! Particles that melt at one temperature: their potential does not tell their enthalpy.
 
-use std::ops::Range;
-
-use crate::model::operator::within;
-
-/// What melts at one temperature, and what has left the temperatures for which its conductivity is known: few as a
-/// rule. Of all others a step needs the potential alone.
+/// Those of a scene: few as a rule.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Latent {
     /// Ascending.
@@ -40,20 +35,9 @@ impl Latent {
         &self.enthalpies
     }
 
-    /// The enthalpy of the one in a place, if there is one, K.
-    pub(super) fn enthalpy(&self, place: usize) -> Option<f64> {
-        let which = self.places.binary_search(&(place as u32)).ok()?;
-        Some(self.enthalpies[which])
-    }
-
-    /// Place and enthalpy of those in some places.
-    pub(super) fn within(
-        &self,
-        places: &Range<usize>,
-    ) -> impl ExactSizeIterator<Item = (usize, f64)> + '_ {
-        let range = within(&self.places, places);
-        let places = self.places[range.clone()].iter().map(|&place| place as usize);
-        places.zip(self.enthalpies[range].iter().copied())
+    /// Place and enthalpy of one.
+    pub(super) fn one(&self, which: usize) -> (usize, f64) {
+        (self.places[which] as usize, self.enthalpies[which])
     }
 
     /// Bytes that it holds.

@@ -1,6 +1,7 @@
 //! The CPU backend: f64, on every core.
 
 mod aggregates;
+mod change;
 mod course;
 mod enthalpy;
 mod entries;
@@ -413,7 +414,7 @@ impl Backend for CpuBackend {
         if let Some(enthalpy) = &mut self.enthalpy {
             self.state.copy_from_slice(&x.values);
             enthalpy.change(&mut self.state);
-            self.operator.clear_absent(&mut self.state);
+            self.operator.clear_absent(0, &mut self.state);
             self.exchange.add(x.given);
             return Ok(());
         }

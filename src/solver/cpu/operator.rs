@@ -8,11 +8,11 @@ use super::CHUNK;
 use super::enthalpy::Enthalpy;
 use super::entries::Entries;
 use super::latent::Latent;
-use super::partial_step::PartialStep;
+use super::partial_step::{PartialStep, WholeStep};
 use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Combine {
     pub(super) share: f64,
     pub(super) scale: f64,
@@ -94,8 +94,8 @@ pub(super) trait CpuOperator: Send + Sync {
         visit(places);
     }
 
-    /// Writes 0 where there is no particle: steps leave it.
-    fn clear_absent(&self, _out: &mut [f64]) {}
+    /// Writes 0 where there is no particle among places from `first` on: steps of potentials leave it.
+    fn clear_absent(&self, _first: usize, _out: &mut [f64]) {}
 
     /// A_aa, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
@@ -115,19 +115,21 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    let of_seams = enthalpy.rates_of_seams(now.values);
+    let of_seams = enthalpy.rates_of_seams();
     let given = operator.apply(now, out, RATE);
+    let (scene, latent, enthalpies) = enthalpy.parts();
+    let whole = WholeStep { scene, latent, operator, of_seams: &of_seams, now: now.values, dt };
     // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
     // the number of threads.
     let part = out.len().div_ceil(PARTS).max(CHUNK);
-    let parts = out.par_chunks_mut(part).enumerate();
-    let step = |(k, out): (usize, &mut [f64])| {
-        let places = k * part..k * part + out.len();
-        let mut step = PartialStep::new(enthalpy, operator, &of_seams, now.values, dt, places);
+    let parts = out.par_chunks_mut(part).zip(enthalpies.par_chunks_mut(part)).enumerate();
+    let step = |(k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
+        let mut step = PartialStep::new(&whole, k * part, enthalpies);
         step.take_on(out, out.len());
         step.finish()
     };
-    let (of_parts, latent): (Vec<f64>, Vec<Latent>) = parts.map(step).unzip();
+    // One by one: some have more to do than others.
+    let (of_parts, latent): (Vec<f64>, Vec<Latent>) = parts.with_max_len(1).map(step).unzip();
     enthalpy.set_latent(Latent::of_parts(latent));
     given + of_parts.iter().sum::<f64>()
 }

@@ -4,75 +4,89 @@
 
 use std::ops::Range;
 
-use super::course::GoOn;
-use super::enthalpy::Enthalpy;
+use super::change::Change;
+use super::course::{Course, GoOn};
+use super::enthalpy::HeatScene;
 use super::fronts::Queue;
 use super::latent::Latent;
 use super::operator::CpuOperator;
+use crate::model::operator::{leading, within};
 use crate::model::wide;
 
 /// A step of places that follow each other.
 pub(super) struct PartialStep<'a, O: ?Sized> {
-    enthalpy: &'a Enthalpy,
-    operator: &'a O,
-    /// What the rates of the rows of seams are short of.
-    of_seams: &'a [f64],
-    /// Potentials as the step begins, of all places.
-    now: &'a [f64],
-    dt: f64,
-    /// The places.
+    all: &'a WholeStep<'a, O>,
+    /// The places, and their enthalpies, which are up to date unless potentials tell them.
     places: Range<usize>,
+    enthalpies: &'a mut [f64],
     /// So many have had their rates, and so many have been taken on.
     known: usize,
     done: usize,
     fronts: Queue,
+    /// Whether any have been added.
+    has_fronts: bool,
+    /// Which of those that were latent before are among the places that are left.
+    melting: Range<usize>,
     latent: Latent,
     given: f64,
 }
 
+/// What steps of all places share.
+pub(super) struct WholeStep<'a, O: ?Sized> {
+    pub(super) scene: &'a HeatScene,
+    /// What is latent as the step begins.
+    pub(super) latent: &'a Latent,
+    pub(super) operator: &'a O,
+    /// What the rates of the rows of seams are short of.
+    pub(super) of_seams: &'a [f64],
+    /// Potentials as the step begins, of all places.
+    pub(super) now: &'a [f64],
+    /// s
+    pub(super) dt: f64,
+}
+
 impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
-    /// A step of `dt` (s) of `enthalpy` at `places`, where potentials are `now` and the rates of seams are short of
-    /// `of_seams`.
-    pub(super) fn new(
-        enthalpy: &'a Enthalpy,
-        operator: &'a O,
-        of_seams: &'a [f64],
-        now: &'a [f64],
-        dt: f64,
-        places: Range<usize>,
-    ) -> Self {
-        let fronts = match enthalpy.fronts {
-            Some(_) => Queue::new(enthalpy.latent(), &places, operator.reach(), now.len()),
+    /// A step of places from `first` on, which have `enthalpies`.
+    pub(super) fn new(all: &'a WholeStep<'a, O>, first: usize, enthalpies: &'a mut [f64]) -> Self {
+        let places = first..first + enthalpies.len();
+        let fronts = match all.scene.fronts {
+            Some(_) => Queue::new(all.latent, &places, all.operator.reach(), all.now.len()),
             None => Queue::default(),
         };
-        let (known, done, latent, given) = (0, 0, Latent::default(), 0.0);
-        Self { enthalpy, operator, of_seams, now, dt, places, known, done, fronts, latent, given }
+        let melting = within(all.latent.places(), &places);
+        let (known, done, has_fronts, latent, given) = (0, 0, false, Latent::default(), 0.0);
+        Self { all, places, enthalpies, known, done, fronts, has_fronts, melting, latent, given }
     }
 
     /// Takes on what nothing is missing of: of the first `known` places, rates are in `out`, where potentials
     /// after the step are written.
     pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
         let first = self.places.start;
-        let enthalpy = self.enthalpy;
-        if let Some(seams) = &enthalpy.seams {
+        let WholeStep { scene, latent, operator, of_seams, now, .. } = *self.all;
+        if let Some(seams) = &scene.seams {
             let out = &mut out[self.known..known];
-            self.given += seams.add(self.of_seams, 1.0, first + self.known, out);
+            self.given += seams.add(of_seams, 1.0, first + self.known, out);
         }
         self.known = known;
         let mut ready = known;
-        if let Some(fronts) = &enthalpy.fronts {
-            let latent = enthalpy.latent();
+        if let Some(fronts) = &scene.fronts {
             let seen = first + known;
             for which in self.fronts.next(latent, seen, known == out.len()) {
-                fronts.add(latent, which, self.operator, self.now, first, &mut out[..known]);
+                fronts.add(latent, which, operator, now, first, &mut out[..known]);
+                self.has_fronts = true;
             }
             ready = self.fronts.untouched(latent, seen).saturating_sub(first).max(self.done);
-            let held = first + self.done..first + ready;
-            self.given += fronts.take_held(self.operator, held, first, out);
+            if self.has_fronts {
+                let held = first + self.done..first + ready;
+                self.given += fronts.take_held(operator, held, first, out);
+            }
         }
         if ready > self.done {
             let part = self.done..ready;
-            self.go_on(first + self.done, &mut out[part]);
+            match &scene.course {
+                Some(course) => self.go_on(course, first + self.done, &mut out[part]),
+                None => self.change(first + self.done, &mut out[part]),
+            }
             self.done = ready;
         }
     }
@@ -83,37 +97,58 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         (self.given, self.latent)
     }
 
-    /// Takes places from `first` on a step further.
-    fn go_on(&mut self, first: usize, out: &mut [f64]) {
-        let Self { enthalpy, operator, dt, .. } = *self;
-        let curves = &enthalpy.curves;
+    /// Takes places from `first` on a step further by their potentials.
+    fn go_on(&mut self, course: &Course, first: usize, out: &mut [f64]) {
+        let WholeStep { latent, operator, now, dt, .. } = *self.all;
         let places = first..first + out.len();
-        let now = &self.now[places.clone()];
-        let take = |(place, enthalpy): (usize, f64)| {
+        let now = &now[places.clone()];
+        let end = self.melting.start + leading(&latent.places()[self.melting.clone()], places.end);
+        let take = |which: usize| {
+            let (place, enthalpy) = latent.one(which);
             (place, enthalpy + dt * std::mem::take(&mut out[place - first]))
         };
-        let mut changed: Vec<(usize, f64)> = enthalpy.latent().within(&places).map(take).collect();
+        let mut changed: Vec<(usize, f64)> = (self.melting.start..end).map(take).collect();
+        self.melting.start = end;
         let mut leaving = Vec::new();
         operator.for_each_present(places, &mut |places| {
-            for (run, course) in curves.runs(places) {
-                let local = run.start - first..run.end - first;
-                let (now, out) = (&now[local.clone()], &mut out[local]);
-                wide::run(GoOn { course, now, out, dt, leaving: &mut leaving, first: run.start });
-            }
+            let local = places.start - first..places.end - first;
+            let (now, out) = (&now[local.clone()], &mut out[local]);
+            wide::run(GoOn { course, now, out, dt, leaving: &mut leaving, first: places.start });
         });
         if !leaving.is_empty() {
-            let enthalpy = |place: usize| curves.course(place).enthalpy(now[place - first]);
+            let enthalpy = |place: usize| course.enthalpy(now[place - first]);
             let leaving = leaving.into_iter();
             changed.extend(leaving.map(|(place, change)| (place, enthalpy(place) + change)));
             changed.sort_unstable_by_key(|&(place, _)| place);
         }
         for (place, enthalpy) in changed {
-            let course = curves.course(place);
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
             if !course.tells(enthalpy, potential) {
                 self.latent.push(place, enthalpy);
             }
         }
+    }
+
+    /// Takes places from `first` on a step further by their enthalpies.
+    fn change(&mut self, first: usize, out: &mut [f64]) {
+        let WholeStep { scene, operator, dt, .. } = *self.all;
+        let (start, latent) = (self.places.start, &mut self.latent);
+        let enthalpies = &mut self.enthalpies[first - start..first - start + out.len()];
+        operator.for_each_present(first..first + out.len(), &mut |places| {
+            for (run, curve) in scene.curves.runs(places) {
+                let local = run.start - first..run.end - first;
+                let (enthalpies, out) = (&mut enthalpies[local.clone()], &mut out[local]);
+                wide::run(Change { curve, enthalpies, out, dt });
+                if let Some(fronts) = &scene.fronts {
+                    fronts.find_latent(run.start, enthalpies, |place, enthalpy| {
+                        if operator.has_particle(place) {
+                            latent.push(place, enthalpy);
+                        }
+                    });
+                }
+            }
+        });
+        operator.clear_absent(first, out);
     }
 }

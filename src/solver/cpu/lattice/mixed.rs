@@ -91,6 +91,8 @@ impl Mixed {
 }
 
 impl LatticeOperator for Mixed {
+    const PART: usize = 1 << 11;
+
     fn scene(&self) -> &LatticeScene {
         &self.scene.lattice
     }
@@ -154,8 +156,11 @@ impl LatticeOperator for Mixed {
         self.absent_from(site).next().is_none_or(|range| !range.contains(&site))
     }
 
-    fn clear_absent(&self, out: &mut [f64]) {
-        self.absent_from(0).for_each(|range| out[range].fill(0.0));
+    fn clear_absent(&self, first: usize, out: &mut [f64]) {
+        let end = first + out.len();
+        for range in self.absent_from(first).take_while(|range| range.start < end) {
+            out[range.start.max(first) - first..range.end.min(end) - first].fill(0.0);
+        }
     }
 
     fn diagonal(&self) -> Vec<f64> {

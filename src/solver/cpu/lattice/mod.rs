@@ -13,7 +13,7 @@ use super::enthalpy::Enthalpy;
 use super::entries::Entries;
 use super::latent::Latent;
 use super::operator::{Combine, CpuOperator, Now, RATE};
-use super::partial_step::PartialStep;
+use super::partial_step::{PartialStep, WholeStep};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -24,8 +24,6 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
-/// Values of a task whose rates become potentials together, about: they stay in a fast cache.
-const PART: usize = 1 << 13;
 /// Tasks at least, where there are more than that of such values.
 const LEAST_TASKS: usize = 16;
 /// Below this many particles one thread is faster than handing out tasks for every step.
@@ -33,6 +31,10 @@ const SERIAL: usize = 1 << 15;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
+    /// Values of a task in three dimensions whose rates become potentials together, about: they and what the stencil
+    /// reads stay in the fastest cache, and looking for exceptions among them costs little.
+    const PART: usize;
+
     fn scene(&self) -> &LatticeScene;
 
     /// Sites of the held particles.
@@ -67,8 +69,8 @@ pub(super) trait LatticeOperator: Send + Sync {
         true
     }
 
-    /// Writes 0 where there is no particle.
-    fn clear_absent(&self, _out: &mut [f64]) {}
+    /// Writes 0 where there is no particle among sites from `first` on.
+    fn clear_absent(&self, _first: usize, _out: &mut [f64]) {}
 
     /// A_aa by site, 1/s; -1 for held particles and where there is none.
     fn diagonal(&self) -> Vec<f64>;
@@ -135,8 +137,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         given.iter().sum()
     }
 
-    fn clear_absent(&self, out: &mut [f64]) {
-        self.of.clear_absent(out);
+    fn clear_absent(&self, first: usize, out: &mut [f64]) {
+        self.of.clear_absent(first, out);
     }
 
     /// Each part while it is in the cache: enthalpy costs little more than its arithmetic.
@@ -147,16 +149,20 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        let of_seams = enthalpy.rates_of_seams(now.values);
-        let as_it_begins = &*enthalpy;
+        let of_seams = enthalpy.rates_of_seams();
+        let (scene, latent, enthalpies) = enthalpy.parts();
+        let (operator, of_seams) = (self, &of_seams[..]);
+        let whole = WholeStep { scene, latent, operator, of_seams, now: now.values, dt };
         // What melts is looked at in every task that it has neighbours in.
-        let (task, part) = (self.lines(TASK), self.lines(PART));
+        // In a plane there are a third as many lines around, along a line none.
+        let part = L::PART << (6 - 2 * self.of.scene().dimension);
+        let (task, part) = (self.lines(TASK), self.lines(part));
         let task = task * (out.len() / task / LEAST_TASKS).max(1);
         let scratch = || Scratch::new(self.of.scene());
-        let step = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
-            let places = k * task..k * task + out.len();
+        let step = |scratch: &mut Scratch,
+                    (k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
             let mut given = 0.0;
-            let mut step = PartialStep::new(as_it_begins, self, &of_seams, now.values, dt, places);
+            let mut step = PartialStep::new(&whole, k * task, enthalpies);
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
                 let of_part = &mut out[known..next];
@@ -168,9 +174,12 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         };
         let (given, latent): (Vec<f64>, Vec<Latent>) = if out.len() < SERIAL {
             let mut scratch = scratch();
-            out.chunks_mut(task).enumerate().map(|part| step(&mut scratch, part)).unzip()
+            let parts = out.chunks_mut(task).zip(enthalpies.chunks_mut(task)).enumerate();
+            parts.map(|part| step(&mut scratch, part)).unzip()
         } else {
-            out.par_chunks_mut(task).enumerate().map_init(scratch, step).unzip()
+            let parts = out.par_chunks_mut(task).zip(enthalpies.par_chunks_mut(task)).enumerate();
+            // One by one: some have more to do than others.
+            parts.with_max_len(1).map_init(scratch, step).unzip()
         };
         enthalpy.set_latent(Latent::of_parts(latent));
         given.iter().sum()

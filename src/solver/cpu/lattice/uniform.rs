@@ -9,7 +9,7 @@ use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
-use crate::model::operator::{SourceRows, within};
+use crate::model::operator::{SourceRows, leading, within};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// A scene that fills its lattice.
@@ -38,23 +38,25 @@ impl Uniform {
         Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]) }
     }
 
-    /// Whether a held particle or one with a source is among `sites`.
-    fn is_exceptional(&self, sites: &Range<usize>) -> bool {
-        !(within(&self.held, sites).is_empty() && within(self.walls.rank(), sites).is_empty())
-    }
-
-    /// Adds the sources at `sites` to their rates and takes those of held particles out;
+    /// Adds the sources of some rows of walls to the rates of `sites` and takes those of some held particles out;
     /// returns what these gave.
-    fn exceptions(&self, now: &Now<'_>, sites: Range<usize>, rate: &mut [f64]) -> f64 {
+    fn exceptions(
+        &self,
+        now: &Now<'_>,
+        sites: &Range<usize>,
+        held: Range<usize>,
+        walls: Range<usize>,
+        rate: &mut [f64],
+    ) -> f64 {
         let mut given = 0.0;
-        for k in within(&self.held, &sites) {
+        for k in held {
             let held = self.held[k] as usize;
             let rate = &mut rate[held - sites.start];
             let among_held = if now.source.is_some() { self.among_held[k] } else { 0.0 };
             given -= self.capacity * (*rate - among_held);
             *rate = 0.0;
         }
-        for row in within(self.walls.rank(), &sites) {
+        for row in walls {
             let site = self.walls.rank()[row] as usize;
             let source = now.source.map_or(0.0, |source| source[row]);
             rate[site - sites.start] += self.walls.diagonal()[row] * now.values[site] + source;
@@ -64,6 +66,8 @@ impl Uniform {
 }
 
 impl LatticeOperator for Uniform {
+    const PART: usize = 1 << 9;
+
     fn scene(&self) -> &LatticeScene {
         &self.scene
     }
@@ -85,19 +89,30 @@ impl LatticeOperator for Uniform {
         combine: Combine,
     ) -> f64 {
         let (mut given, mut done) = (0.0, 0);
+        let all = first..first + out.len();
+        let (mut held, mut walls) = (within(&self.held, &all), within(self.walls.rank(), &all));
         while done < out.len() {
             let run = Run::starting(&self.scene, first + done, out.len() - done);
             let out = &mut out[done..done + run.length];
             let sites = run.first..run.first + run.length;
             done += run.length;
-            if !self.is_exceptional(&sites) {
+            let of_run = |rest: &mut Range<usize>, ranks: &[u32]| {
+                let start = rest.start;
+                rest.start += leading(&ranks[rest.clone()], sites.end);
+                start..rest.start
+            };
+            let held = of_run(&mut held, &self.held);
+            let walls = of_run(&mut walls, self.walls.rank());
+            if held.is_empty() && walls.is_empty() {
                 scratch.work(&self.scene, now.values, &run, combine, out);
                 continue;
             }
             scratch.work(&self.scene, now.values, &run, RATE, out);
-            given += self.exceptions(now, sites.clone(), out);
-            for (out, own) in out.iter_mut().zip(&now.values[sites]) {
-                *out = combine.share * own + combine.scale * *out;
+            given += self.exceptions(now, &sites, held, walls, out);
+            if combine != RATE {
+                for (out, own) in out.iter_mut().zip(&now.values[sites]) {
+                    *out = combine.share * own + combine.scale * *out;
+                }
             }
         }
         given

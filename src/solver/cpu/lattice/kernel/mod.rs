@@ -28,7 +28,7 @@ use members::{Members, MembersOf};
 use sums::Sums;
 
 /// Values that are worked on together: what lies around them stays in the fastest cache.
-const BLOCK: usize = 2048;
+const BLOCK: usize = 512;
 
 /// A part of the lattice that is worked on as one: lines with the same lines around them, or a part
 /// of a line.

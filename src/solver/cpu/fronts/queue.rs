@@ -1,0 +1,66 @@
+//! Which melting particles are still to be added to rates.
+
+use std::ops::Range;
+
+use crate::model::operator::{leading, within};
+use crate::solver::cpu::latent::Latent;
+
+/// The latent particles that are within reach of some places, and have not been added to their rates.
+#[derive(Debug, Default)]
+pub(in crate::solver::cpu) struct Queue {
+    reach: usize,
+    /// Those before these places round the end of a periodic axis, those near, and those behind round its start.
+    rest: [Range<usize>; 3],
+}
+
+impl Queue {
+    /// Those of `latent` within `reach` of `places` among `count`.
+    pub(in crate::solver::cpu) fn new(
+        latent: &Latent,
+        places: &Range<usize>,
+        reach: usize,
+        count: usize,
+    ) -> Self {
+        let (start, end) = (places.start, places.end);
+        let near = start.saturating_sub(reach)..end.saturating_add(reach).min(count);
+        let behind = (start + count).saturating_sub(reach).max(near.end)..count;
+        let before = 0..(end.saturating_add(reach)).saturating_sub(count).min(near.start);
+        Self { reach, rest: [before, near, behind].map(|places| within(latent.places(), &places)) }
+    }
+
+    fn goes_round(&self) -> bool {
+        !(self.rest[0].is_empty() && self.rest[2].is_empty())
+    }
+
+    /// The next that may be added, where rates are known before `seen`, or all are.
+    pub(in crate::solver::cpu) fn next(
+        &mut self,
+        latent: &Latent,
+        seen: usize,
+        is_all: bool,
+    ) -> impl Iterator<Item = Range<usize>> + use<> {
+        let next = match is_all {
+            true => std::mem::take(&mut self.rest),
+            false if self.goes_round() => Default::default(),
+            false => {
+                let near = &mut self.rest[1];
+                let places = &latent.places()[near.clone()];
+                let split = near.start + leading(places, seen.saturating_sub(self.reach));
+                let next = near.start..split;
+                near.start = split;
+                [0..0, next, 0..0]
+            }
+        };
+        next.into_iter().filter(|which| !which.is_empty())
+    }
+
+    /// Before which place none that is left adds anything, up to `seen`.
+    pub(in crate::solver::cpu) fn untouched(&self, latent: &Latent, seen: usize) -> usize {
+        let [_, near, _] = &self.rest;
+        match latent.places()[near.clone()].first() {
+            _ if self.goes_round() => 0,
+            Some(&place) => (place as usize).saturating_sub(self.reach).min(seen),
+            None => seen,
+        }
+    }
+}
