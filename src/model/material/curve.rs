@@ -179,11 +179,6 @@ impl HeatCurve {
         self.limits
     }
 
-    /// Whether it is known to be positive at every temperature.
-    pub fn is_known_everywhere(&self) -> bool {
-        self.limits.iter().all(|limit| limit.is_infinite())
-    }
-
     /// Enthalpies between which it melts, K.
     pub fn melting(&self) -> Option<[f64; 2]> {
         self.melting

@@ -242,3 +242,21 @@ pub fn leading(ranks: &[u32], end: usize) -> usize {
     let half = most / 2;
     half + ranks[half..most.min(ranks.len())].partition_point(is_below)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_below_an_end_are_counted() {
+        let ranks: Vec<u32> = (0..40).map(|k| 3 * k + 1).collect();
+        for count in [0, 1, 2, 3, 4, 5, 8, 9, 39, 40] {
+            for end in 0..125 {
+                let below = ranks[..count].iter().filter(|&&rank| (rank as usize) < end).count();
+                assert_eq!(leading(&ranks[..count], end), below, "{count} up to {end}");
+            }
+        }
+        assert_eq!(within(&ranks, &(5..14)), 2..5);
+        assert_eq!(within(&ranks, &(500..600)), 40..40);
+    }
+}

@@ -160,7 +160,7 @@ impl Enthalpy {
 
     /// What the rates of the rows of seams are short of in one of Euler's steps.
     pub(super) fn rates_of_seams(&self) -> Vec<f64> {
-        // Only what is of one material has no enthalpies in such steps.
+        // Seams are only where curves differ: there steps keep the enthalpies.
         let rates = |seams: &Seams| seams.rates(|place| self.values[place]);
         self.scene.seams.as_ref().map_or(Vec::new(), rates)
     }
@@ -181,7 +181,7 @@ impl Enthalpy {
         debug_assert!(self.latent.is_none(), "a settled state");
         let curves = &self.scene.curves;
         let parts = self.values.par_chunks_mut(CHUNK).zip(out.par_chunks_mut(CHUNK)).enumerate();
-        parts.for_each(|(k, (values, out))| curves.change(k * CHUNK, values, out, 1.0));
+        parts.for_each(|(k, (values, out))| curves.change(k * CHUNK, values, out));
     }
 
     /// Writes by how much the potentials, now `now`, change with a change `x` of the state.
@@ -191,7 +191,7 @@ impl Enthalpy {
             let places = k * CHUNK..k * CHUNK + x.len();
             let mut state = self.values()[places.clone()].to_vec();
             out.copy_from_slice(x);
-            self.scene.curves.change(places.start, &mut state, out, 1.0);
+            self.scene.curves.change(places.start, &mut state, out);
             // What does not change gets 0, held particles too.
             for ((out, now), x) in out.iter_mut().zip(&now[places]).zip(x) {
                 *out = if *x == 0.0 { 0.0 } else { *out - now };
@@ -276,13 +276,12 @@ impl Curves {
         })
     }
 
-    /// Adds `dt` times changes, which are in `out`, to `values`, of places from `first` on, and writes their
-    /// potentials there.
-    fn change(&self, first: usize, values: &mut [f64], out: &mut [f64], dt: f64) {
+    /// Adds changes, which are in `out`, to `values`, of places from `first` on, and writes their potentials there.
+    fn change(&self, first: usize, values: &mut [f64], out: &mut [f64]) {
         for (run, curve) in self.runs(first..first + out.len()) {
             let local = run.start - first..run.end - first;
             let (enthalpies, out) = (&mut values[local.clone()], &mut out[local]);
-            wide::run(Change { curve, enthalpies, out, dt });
+            wide::run(Change { curve, enthalpies, out, dt: 1.0 });
         }
     }
 }

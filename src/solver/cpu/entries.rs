@@ -80,3 +80,23 @@ pub(super) enum Entries<'a> {
     /// Those around a site, and all weights times a factor; some may come more than once.
     Site(&'a LatticeScene, usize, f64),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_tell_what_they_go_over() {
+        let lines = Lines::of(&[(-11, 1.0), (-10, 2.0), (-1, 1.0), (1, 1.0), (10, 2.0)]);
+        assert_eq!(lines.ahead, [0, 10, 21]);
+        let mut values = vec![7; 60];
+        assert!(lines.are_all(20, 5, &values));
+        // The last line of the last of five ends with place 37.
+        for (place, is_in) in [(8, false), (9, true), (37, true), (38, false)] {
+            values[place] = 8;
+            assert_eq!(lines.are_all(20, 5, &values), !is_in, "{place}");
+            values[place] = 7;
+        }
+        assert!(!lines.are_all(45, 5, &values), "lines end past the last place");
+    }
+}

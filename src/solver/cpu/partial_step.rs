@@ -25,7 +25,7 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     fronts: Queue,
     /// Whether any have been added.
     has_fronts: bool,
-    /// Which of those that were latent before are among the places that are left.
+    /// Which of those that were latent before are among the places that are left, where steps go by potentials.
     melting: Range<usize>,
     latent: Latent,
     given: f64,

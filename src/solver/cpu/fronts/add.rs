@@ -114,13 +114,11 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 /// in `around` from the first to the last. In loops that the processor runs on several values at once.
 #[inline(always)]
 fn all_from(flow: Flow, lines: &Lines, factor: f64, around: &[f64], flows: &mut [f64]) {
-    let Flow { potential, to_liquid, to_solid } = flow;
-    let flow = Flow { potential, to_liquid: factor * to_liquid, to_solid: factor * to_solid };
     for (potentials, ahead) in flows.chunks_exact_mut(LANES).zip(&lines.ahead) {
         potentials.copy_from_slice(&around[*ahead..ahead + LANES]);
     }
     for (x, weight) in flows.iter_mut().zip(&lines.weights) {
-        *x = flow.from(*x, *weight);
+        *x = flow.from(*x, factor * weight);
     }
 }
 
@@ -219,7 +217,7 @@ impl Together {
     ) -> bool {
         let Self { potential, to_liquid, to_solid, gains, flows } = self;
         let (count, start) = (to_liquid.len(), lines.start(place));
-        let Some(around) = potentials.get(start..start + lines.span() + count) else {
+        let Some(around) = potentials.get(start..start + lines.span() + count - 1) else {
             return false;
         };
         gains.clear();

@@ -154,10 +154,12 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let (operator, of_seams) = (self, &of_seams[..]);
         let whole = WholeStep { scene, latent, operator, of_seams, now: now.values, dt };
         // What melts is looked at in every task that it has neighbours in.
-        // In a plane there are a third as many lines around, along a line none.
-        let part = L::PART << (6 - 2 * self.of.scene().dimension);
-        let (task, part) = (self.lines(TASK), self.lines(part));
+        let task = self.lines(TASK);
         let task = task * (out.len() / task / LEAST_TASKS).max(1);
+        // In a plane there are a third as many lines around, along a line none: parts are longer.
+        let (nx, dimension) = (self.of.scene().counts[0], self.of.scene().dimension);
+        let part = L::PART << (6 - 2 * dimension);
+        let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
         let step = |scratch: &mut Scratch,
                     (k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {

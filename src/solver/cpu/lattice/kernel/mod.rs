@@ -56,7 +56,9 @@ impl Run {
             true => (BLOCK / nx).min(ny.saturating_sub(y + scene.reach)).min(most / nx).max(1),
             false => 1,
         };
-        let length = if lines > 1 { lines * nx } else { (nx - x).min(BLOCK).min(most) };
+        // A long line in equal parts: a short one costs as much as a long one.
+        let part = nx.div_ceil(nx.div_ceil(BLOCK));
+        let length = if lines > 1 { lines * nx } else { (nx - x).min(part - x % part).min(most) };
         Self { first, length, x, is_inside }
     }
 }
