@@ -15,6 +15,7 @@
 //! Heat Mass Transfer 24, 545): no front is followed, and melting and freezing need nothing more.
 
 use super::Conductivity;
+use crate::model::wide::multiply_add;
 
 /// What a material needs in order to melt, and what it is once it has.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,9 +54,12 @@ impl Segment {
         self.temperature + self.warming * (enthalpy - self.start)
     }
 
-    fn potential_at(&self, enthalpy: f64) -> f64 {
+    /// psi at an enthalpy (K) of it, K; with `FUSED`, rounded less often.
+    #[inline(always)]
+    pub(crate) fn potential_at<const FUSED: bool>(&self, enthalpy: f64) -> f64 {
         let above = enthalpy - self.start;
-        self.potential + above * (self.slope + self.bend * above)
+        let rise = multiply_add::<FUSED>(self.bend, above, self.slope);
+        multiply_add::<FUSED>(above, rise, self.potential)
     }
 
     fn slope_at(&self, enthalpy: f64) -> f64 {
@@ -198,9 +202,15 @@ impl HeatCurve {
         self.melt.as_ref()
     }
 
-    fn segment(&self, enthalpy: f64) -> &Segment {
+    /// Which segment an enthalpy (K) is of.
+    #[inline]
+    pub(crate) fn which(&self, enthalpy: f64) -> usize {
         let next = self.segments.partition_point(|segment| segment.start <= enthalpy);
-        &self.segments[next.saturating_sub(1)]
+        next.saturating_sub(1)
+    }
+
+    fn segment(&self, enthalpy: f64) -> &Segment {
+        &self.segments[self.which(enthalpy)]
     }
 
     /// T at an enthalpy (K), K.
@@ -210,14 +220,14 @@ impl HeatCurve {
 
     /// psi at an enthalpy (K), K.
     pub fn potential(&self, enthalpy: f64) -> f64 {
-        self.segment(enthalpy).potential_at(enthalpy)
+        self.segment(enthalpy).potential_at::<false>(enthalpy)
     }
 
     /// T (K), psi (K) and k (W/(m K)) at an enthalpy (K).
     pub fn state(&self, enthalpy: f64) -> [f64; 3] {
         let segment = self.segment(enthalpy);
         let conductivity = self.conductivity_in(segment, enthalpy);
-        [segment.temperature_at(enthalpy), segment.potential_at(enthalpy), conductivity]
+        [segment.temperature_at(enthalpy), segment.potential_at::<false>(enthalpy), conductivity]
     }
 
     /// d psi / d theta at an enthalpy (K).

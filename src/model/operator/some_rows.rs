@@ -228,11 +228,18 @@ impl<W: FnMut(usize, f64)> Work for Rates<'_, W> {
 /// Which of `ranks`, which ascend, are in `range`.
 pub fn within(ranks: &[u32], range: &Range<usize>) -> Range<usize> {
     let start = ranks.partition_point(|&rank| (rank as usize) < range.start);
-    start..start + leading(&ranks[start..], range.end)
+    take_below(ranks, &mut (start..ranks.len()), range.end)
+}
+
+/// Takes those that are below an end from the `rest` of ascending ranks.
+pub fn take_below(ranks: &[u32], rest: &mut Range<usize>, end: usize) -> Range<usize> {
+    let start = rest.start;
+    rest.start += leading(&ranks[rest.clone()], end);
+    start..rest.start
 }
 
 /// How many of ascending ranks are below an end: few as a rule.
-pub fn leading(ranks: &[u32], end: usize) -> usize {
+fn leading(ranks: &[u32], end: usize) -> usize {
     let is_below = |rank: &u32| (*rank as usize) < end;
     let mut most = 1;
     while ranks.get(most - 1).is_some_and(is_below) {

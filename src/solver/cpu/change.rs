@@ -29,7 +29,8 @@ impl Work for Change<'_> {
             }
             return;
         };
-        let mut here = Here::at(curve.segments(), enthalpies.first().map_or(0.0, |first| *first));
+        let first = enthalpies.first().map_or(0.0, |first| *first);
+        let mut here = Here { segments: curve.segments(), which: curve.which(first) };
         let (mut parts, mut rates) = (enthalpies.chunks_exact_mut(FEW), out.chunks_exact_mut(FEW));
         for (few, out) in parts.by_ref().zip(rates.by_ref()) {
             let few = few.try_into().expect("so many");
@@ -55,13 +56,7 @@ struct Here<'a> {
     which: usize,
 }
 
-impl<'a> Here<'a> {
-    #[inline(always)]
-    fn at(segments: &'a [Segment], enthalpy: f64) -> Self {
-        let next = segments.partition_point(|segment| segment.start <= enthalpy);
-        Self { segments, which: next.saturating_sub(1) }
-    }
-
+impl Here<'_> {
     /// Enthalpies between which all are of the segment, the first of them too.
     #[inline(always)]
     fn ends(&self) -> [f64; 2] {
@@ -82,7 +77,7 @@ impl<'a> Here<'a> {
         let (mut after, mut potentials, mut within) = ([0.0; FEW], [0.0; FEW], u64::MAX);
         for x in 0..FEW {
             after[x] = multiply_add::<FUSED>(dt, out[x], enthalpies[x]);
-            potentials[x] = of_segment::<FUSED>(&segment, after[x]);
+            potentials[x] = segment.potential_at::<FUSED>(after[x]);
             // Bits of signs, since a processor puts them together for several at once.
             within &= !(after[x] - start).to_bits() & (after[x] - end).to_bits();
         }
@@ -101,7 +96,7 @@ impl<'a> Here<'a> {
             which -= 1;
         }
         for x in 0..FEW {
-            out[x] = of_segment::<FUSED>(&self.segments[which], enthalpies[x]);
+            out[x] = self.segments[which].potential_at::<FUSED>(enthalpies[x]);
         }
         self.which = which;
         let last = enthalpies[FEW - 1];
@@ -109,7 +104,7 @@ impl<'a> Here<'a> {
             self.segments.get(which + 1).filter(|next| any_is_at_least(next.start, enthalpies))
         {
             for x in 0..FEW {
-                let potential = of_segment::<FUSED>(next, enthalpies[x]);
+                let potential = next.potential_at::<FUSED>(enthalpies[x]);
                 out[x] = choose(next.start <= enthalpies[x], potential, out[x]);
             }
             which += 1;
@@ -139,14 +134,6 @@ fn any_is_at_least(start: f64, numbers: &[f64; FEW]) -> bool {
         all &= (number - start).to_bits();
     }
     all >> 63 == 0
-}
-
-/// The potential at an enthalpy of a segment.
-#[inline(always)]
-fn of_segment<const FUSED: bool>(segment: &Segment, enthalpy: f64) -> f64 {
-    let above = enthalpy - segment.start;
-    let rise = multiply_add::<FUSED>(segment.bend, above, segment.slope);
-    multiply_add::<FUSED>(above, rise, segment.potential)
 }
 
 #[cfg(test)]

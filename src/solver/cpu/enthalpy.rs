@@ -86,8 +86,7 @@ impl Enthalpy {
         }
         let is_latent = |place: usize, value: f64, now: f64| match (&scene.course, &scene.fronts) {
             (Some(course), _) => !course.tells(value, now),
-            (None, Some(fronts)) => fronts.is_latent(place, value),
-            (None, None) => false,
+            (None, fronts) => fronts.as_ref().is_some_and(|fronts| fronts.is_latent(place, value)),
         };
         let parts = self.values.par_chunks(CHUNK).zip(now.par_chunks(CHUNK)).enumerate();
         let latent = |(k, (values, now)): (usize, (&[f64], &[f64]))| {
@@ -181,7 +180,7 @@ impl Enthalpy {
         debug_assert!(self.latent.is_none(), "a settled state");
         let curves = &self.scene.curves;
         let parts = self.values.par_chunks_mut(CHUNK).zip(out.par_chunks_mut(CHUNK)).enumerate();
-        parts.for_each(|(k, (values, out))| curves.change(k * CHUNK, values, out));
+        parts.for_each(|(k, (values, out))| curves.change(k * CHUNK, values, out, 1.0, |_, _| ()));
     }
 
     /// Writes by how much the potentials, now `now`, change with a change `x` of the state.
@@ -191,7 +190,7 @@ impl Enthalpy {
             let places = k * CHUNK..k * CHUNK + x.len();
             let mut state = self.values()[places.clone()].to_vec();
             out.copy_from_slice(x);
-            self.scene.curves.change(places.start, &mut state, out);
+            self.scene.curves.change(places.start, &mut state, out, 1.0, |_, _| ());
             // What does not change gets 0, held particles too.
             for ((out, now), x) in out.iter_mut().zip(&now[places]).zip(x) {
                 *out = if *x == 0.0 { 0.0 } else { *out - now };
@@ -251,7 +250,7 @@ impl Curves {
     }
 
     /// Parts of `places` that are of one material, with its curve.
-    pub(super) fn runs(
+    fn runs(
         &self,
         places: Range<usize>,
     ) -> impl Iterator<Item = (Range<usize>, Option<&HeatCurve>)> {
@@ -276,12 +275,21 @@ impl Curves {
         })
     }
 
-    /// Adds changes, which are in `out`, to `values`, of places from `first` on, and writes their potentials there.
-    fn change(&self, first: usize, values: &mut [f64], out: &mut [f64]) {
+    /// Adds `dt` times changes, which are in `out`, to `values`, of places from `first` on, and writes their
+    /// potentials there; calls `visit` with each part that is of one material: where it begins, and its values.
+    pub(super) fn change(
+        &self,
+        first: usize,
+        values: &mut [f64],
+        out: &mut [f64],
+        dt: f64,
+        mut visit: impl FnMut(usize, &[f64]),
+    ) {
         for (run, curve) in self.runs(first..first + out.len()) {
             let local = run.start - first..run.end - first;
             let (enthalpies, out) = (&mut values[local.clone()], &mut out[local]);
-            wide::run(Change { curve, enthalpies, out, dt: 1.0 });
+            wide::run(Change { curve, enthalpies, out, dt });
+            visit(run.start, enthalpies);
         }
     }
 }

@@ -7,8 +7,7 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::enthalpy::Enthalpy;
 use super::entries::Entries;
-use super::latent::Latent;
-use super::partial_step::{PartialStep, WholeStep};
+use super::partial_step::{self, PartialStep};
 use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
@@ -115,23 +114,21 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    let of_seams = enthalpy.rates_of_seams();
     let given = operator.apply(now, out, RATE);
-    let (scene, latent, enthalpies) = enthalpy.parts();
-    let whole = WholeStep { scene, latent, operator, of_seams: &of_seams, now: now.values, dt };
     // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
     // the number of threads.
     let part = out.len().div_ceil(PARTS).max(CHUNK);
-    let parts = out.par_chunks_mut(part).zip(enthalpies.par_chunks_mut(part)).enumerate();
-    let step = |(k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
-        let mut step = PartialStep::new(&whole, k * part, enthalpies);
-        step.take_on(out, out.len());
-        step.finish()
-    };
-    // One by one: some have more to do than others.
-    let (of_parts, latent): (Vec<f64>, Vec<Latent>) = parts.with_max_len(1).map(step).unzip();
-    enthalpy.set_latent(Latent::of_parts(latent));
-    given + of_parts.iter().sum::<f64>()
+    given
+        + partial_step::in_parts(enthalpy, operator, now.values, dt, |whole, enthalpies| {
+            let parts = out.par_chunks_mut(part).zip(enthalpies.par_chunks_mut(part)).enumerate();
+            let step = |(k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
+                let mut step = PartialStep::new(whole, k * part, enthalpies);
+                step.take_on(out, out.len());
+                step.finish()
+            };
+            // One by one: some have more to do than others.
+            parts.with_max_len(1).map(step).collect()
+        })
 }
 
 /// As [`CpuOperator::apply`]; returns what walls gave as well.

@@ -4,13 +4,12 @@
 
 use std::ops::Range;
 
-use super::change::Change;
 use super::course::{Course, GoOn};
-use super::enthalpy::HeatScene;
+use super::enthalpy::{Enthalpy, HeatScene};
 use super::fronts::Queue;
 use super::latent::Latent;
 use super::operator::CpuOperator;
-use crate::model::operator::{leading, within};
+use crate::model::operator::{take_below, within};
 use crate::model::wide;
 
 /// A step of places that follow each other.
@@ -33,16 +32,33 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
 
 /// What steps of all places share.
 pub(super) struct WholeStep<'a, O: ?Sized> {
-    pub(super) scene: &'a HeatScene,
+    scene: &'a HeatScene,
     /// What is latent as the step begins.
-    pub(super) latent: &'a Latent,
-    pub(super) operator: &'a O,
+    latent: &'a Latent,
+    operator: &'a O,
     /// What the rates of the rows of seams are short of.
-    pub(super) of_seams: &'a [f64],
+    of_seams: &'a [f64],
     /// Potentials as the step begins, of all places.
-    pub(super) now: &'a [f64],
+    now: &'a [f64],
     /// s
-    pub(super) dt: f64,
+    dt: f64,
+}
+
+/// Takes `enthalpy`, whose potentials are `now`, a step of `dt` (s) on in parts that follow each other, which `parts`
+/// [finishes](PartialStep::finish); returns what they gave together.
+pub(super) fn in_parts<O: CpuOperator + ?Sized>(
+    enthalpy: &mut Enthalpy,
+    operator: &O,
+    now: &[f64],
+    dt: f64,
+    parts: impl FnOnce(&WholeStep<'_, O>, &mut [f64]) -> Vec<(f64, Latent)>,
+) -> f64 {
+    let of_seams = &enthalpy.rates_of_seams()[..];
+    let (scene, latent, enthalpies) = enthalpy.parts();
+    let whole = WholeStep { scene, latent, operator, of_seams, now, dt };
+    let (given, latent): (Vec<f64>, Vec<Latent>) = parts(&whole, enthalpies).into_iter().unzip();
+    enthalpy.set_latent(Latent::of_parts(latent));
+    given.iter().sum()
 }
 
 impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
@@ -102,13 +118,12 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         let WholeStep { latent, operator, now, dt, .. } = *self.all;
         let places = first..first + out.len();
         let now = &now[places.clone()];
-        let end = self.melting.start + leading(&latent.places()[self.melting.clone()], places.end);
+        let melting = take_below(latent.places(), &mut self.melting, places.end);
         let take = |which: usize| {
             let (place, enthalpy) = latent.one(which);
             (place, enthalpy + dt * std::mem::take(&mut out[place - first]))
         };
-        let mut changed: Vec<(usize, f64)> = (self.melting.start..end).map(take).collect();
-        self.melting.start = end;
+        let mut changed: Vec<(usize, f64)> = melting.map(take).collect();
         let mut leaving = Vec::new();
         operator.for_each_present(places, &mut |places| {
             let local = places.start - first..places.end - first;
@@ -136,18 +151,17 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         let (start, latent) = (self.places.start, &mut self.latent);
         let enthalpies = &mut self.enthalpies[first - start..first - start + out.len()];
         operator.for_each_present(first..first + out.len(), &mut |places| {
-            for (run, curve) in scene.curves.runs(places) {
-                let local = run.start - first..run.end - first;
-                let (enthalpies, out) = (&mut enthalpies[local.clone()], &mut out[local]);
-                wide::run(Change { curve, enthalpies, out, dt });
+            let local = places.start - first..places.end - first;
+            let (enthalpies, out) = (&mut enthalpies[local.clone()], &mut out[local]);
+            scene.curves.change(places.start, enthalpies, out, dt, |first, enthalpies| {
                 if let Some(fronts) = &scene.fronts {
-                    fronts.find_latent(run.start, enthalpies, |place, enthalpy| {
+                    fronts.find_latent(first, enthalpies, |place, enthalpy| {
                         if operator.has_particle(place) {
                             latent.push(place, enthalpy);
                         }
                     });
                 }
-            }
+            });
         });
         operator.clear_absent(first, out);
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::model::operator::{leading, within};
+use crate::model::operator::{take_below, within};
 use crate::solver::cpu::latent::Latent;
 
 /// The latent particles that are within reach of some places, and have not been added to their rates.
@@ -43,12 +43,8 @@ impl Queue {
             true => std::mem::take(&mut self.rest),
             false if self.goes_round() => Default::default(),
             false => {
-                let near = &mut self.rest[1];
-                let places = &latent.places()[near.clone()];
-                let split = near.start + leading(places, seen.saturating_sub(self.reach));
-                let next = near.start..split;
-                near.start = split;
-                [0..0, next, 0..0]
+                let end = seen.saturating_sub(self.reach);
+                [0..0, take_below(latent.places(), &mut self.rest[1], end), 0..0]
             }
         };
         next.into_iter().filter(|which| !which.is_empty())

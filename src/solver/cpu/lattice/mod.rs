@@ -11,9 +11,8 @@ use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
 use super::entries::Entries;
-use super::latent::Latent;
 use super::operator::{Combine, CpuOperator, Now, RATE};
-use super::partial_step::{PartialStep, WholeStep};
+use super::partial_step::{self, PartialStep};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -149,10 +148,6 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        let of_seams = enthalpy.rates_of_seams();
-        let (scene, latent, enthalpies) = enthalpy.parts();
-        let (operator, of_seams) = (self, &of_seams[..]);
-        let whole = WholeStep { scene, latent, operator, of_seams, now: now.values, dt };
         // What melts is looked at in every task that it has neighbours in.
         let task = self.lines(TASK);
         let task = task * (out.len() / task / LEAST_TASKS).max(1);
@@ -161,30 +156,31 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let part = L::PART << (6 - 2 * dimension);
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
-        let step = |scratch: &mut Scratch,
-                    (k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
-            let mut given = 0.0;
-            let mut step = PartialStep::new(&whole, k * task, enthalpies);
-            for known in (0..out.len()).step_by(part) {
-                let next = (known + part).min(out.len());
-                let of_part = &mut out[known..next];
-                given += self.of.advance(scratch, now, k * task + known, of_part, RATE);
-                step.take_on(out, next);
+        partial_step::in_parts(enthalpy, self, now.values, dt, |whole, enthalpies| {
+            let step =
+                |scratch: &mut Scratch,
+                 (k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
+                    let mut given = 0.0;
+                    let mut step = PartialStep::new(whole, k * task, enthalpies);
+                    for known in (0..out.len()).step_by(part) {
+                        let next = (known + part).min(out.len());
+                        let of_part = &mut out[known..next];
+                        given += self.of.advance(scratch, now, k * task + known, of_part, RATE);
+                        step.take_on(out, next);
+                    }
+                    let (by_held, latent) = step.finish();
+                    (given + by_held, latent)
+                };
+            if out.len() < SERIAL {
+                let mut scratch = scratch();
+                let parts = out.chunks_mut(task).zip(enthalpies.chunks_mut(task)).enumerate();
+                parts.map(|part| step(&mut scratch, part)).collect()
+            } else {
+                let parts = out.par_chunks_mut(task).zip(enthalpies.par_chunks_mut(task));
+                // One by one: some have more to do than others.
+                parts.enumerate().with_max_len(1).map_init(scratch, step).collect()
             }
-            let (by_held, latent) = step.finish();
-            (given + by_held, latent)
-        };
-        let (given, latent): (Vec<f64>, Vec<Latent>) = if out.len() < SERIAL {
-            let mut scratch = scratch();
-            let parts = out.chunks_mut(task).zip(enthalpies.chunks_mut(task)).enumerate();
-            parts.map(|part| step(&mut scratch, part)).unzip()
-        } else {
-            let parts = out.par_chunks_mut(task).zip(enthalpies.par_chunks_mut(task)).enumerate();
-            // One by one: some have more to do than others.
-            parts.with_max_len(1).map_init(scratch, step).unzip()
-        };
-        enthalpy.set_latent(Latent::of_parts(latent));
-        given.iter().sum()
+        })
     }
 
     fn has_particle(&self, place: usize) -> bool {

@@ -9,7 +9,7 @@ use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
-use crate::model::operator::{SourceRows, leading, within};
+use crate::model::operator::{SourceRows, take_below, within};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// A scene that fills its lattice.
@@ -96,13 +96,8 @@ impl LatticeOperator for Uniform {
             let out = &mut out[done..done + run.length];
             let sites = run.first..run.first + run.length;
             done += run.length;
-            let of_run = |rest: &mut Range<usize>, ranks: &[u32]| {
-                let start = rest.start;
-                rest.start += leading(&ranks[rest.clone()], sites.end);
-                start..rest.start
-            };
-            let held = of_run(&mut held, &self.held);
-            let walls = of_run(&mut walls, self.walls.rank());
+            let held = take_below(&self.held, &mut held, sites.end);
+            let walls = take_below(self.walls.rank(), &mut walls, sites.end);
             if held.is_empty() && walls.is_empty() {
                 scratch.work(&self.scene, now.values, &run, combine, out);
                 continue;
