@@ -84,6 +84,22 @@ impl LatticeScene {
         }
     }
 
+    /// A site of each kind, those that find the same around them: first along the first axis.
+    pub fn kinds(&self) -> impl Iterator<Item = [usize; 3]> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.places(axis));
+        z.into_iter().flat_map(move |z| {
+            let (x, y) = (x.clone(), y.clone());
+            y.into_iter().flat_map(move |y| x.clone().into_iter().map(move |x| [x.at, y.at, z.at]))
+        })
+    }
+
+    /// Which of [`LatticeScene::kinds`] a site is of.
+    pub fn kind(&self, at: [usize; 3]) -> usize {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.kind_of_place(axis, at[axis]));
+        let [nx, ny, _] = self.counts.map(|count| count.min(2 * self.reach + 1));
+        (z * ny + y) * nx + x
+    }
+
     /// Calls `visit(steps, weight, sites)` for every place of the stencil around `at` that is not
     /// past a free end.
     pub(super) fn for_each(
@@ -143,15 +159,6 @@ impl LatticeScene {
         })
     }
 
-    /// Sites from an inner one to its neighbours, ascending, with their weights, 1/s.
-    pub fn inner_entries(&self) -> Vec<(isize, f64)> {
-        let [nx, ny, _] = self.counts.map(|count| count as isize);
-        let entry = |([x, y, z], weight): ([isize; 3], f64)| ((z * ny + y) * nx + x, weight);
-        let mut entries: Vec<(isize, f64)> = self.steps().map(entry).collect();
-        entries.sort_unstable_by_key(|&(step, _)| step);
-        entries
-    }
-
     /// How many sites a neighbour is away at most, round the ends of the last axis if that is periodic.
     pub fn longest_step(&self) -> usize {
         let [nx, ny, _] = self.counts;
@@ -179,22 +186,8 @@ impl LatticeScene {
 
     /// The diagonal of the stencil at a site, 1/s, with what mirrors add to it: a function of the site.
     pub fn diagonals(&self) -> impl Fn(usize) -> f64 + Sync {
-        let places = [0, 1, 2].map(|axis| self.places(axis));
-        let kind = |[x, y, z]: [usize; 3], [nx, ny, _]: [usize; 3]| (z * ny + y) * nx + x;
-        let counts = places.each_ref().map(Vec::len);
-        let mut of_kind = vec![0.0; counts.iter().product()];
-        for (z, place_z) in places[2].iter().enumerate() {
-            for (y, place_y) in places[1].iter().enumerate() {
-                for (x, place_x) in places[0].iter().enumerate() {
-                    let at = [place_x.at, place_y.at, place_z.at];
-                    of_kind[kind([x, y, z], counts)] = self.diagonal(at);
-                }
-            }
-        }
-        move |site| {
-            let at = self.at(site);
-            of_kind[kind([0, 1, 2].map(|axis| self.kind_of_place(axis, at[axis])), counts)]
-        }
+        let of_kind: Vec<f64> = self.kinds().map(|at| self.diagonal(at)).collect();
+        move |site| of_kind[self.kind(self.at(site))]
     }
 
     fn diagonal(&self, at: [usize; 3]) -> f64 {

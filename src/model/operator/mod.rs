@@ -22,6 +22,6 @@ pub use fronts::{Front, Fronts};
 pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
 pub use seams::{Seam, Seams};
-pub use some_rows::{SomeRows, Visit, take_below, within};
+pub use some_rows::{SomeRows, Visit, seek, take_below, within, within_near};
 pub use source_rows::{FoldNeeds, SourceRows};
 pub use weight::{Correction, PairWeight};

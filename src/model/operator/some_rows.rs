@@ -116,9 +116,11 @@ impl SomeRows {
     }
 
     /// The neighbours of a stored row and their weights, 1/s, none of a held particle; `None` of a rank that has
-    /// no row.
-    pub fn entries_of(&self, rank: usize) -> Option<(&[u32], &[f64])> {
-        let row = self.rank.binary_search(&(rank as u32)).ok()?;
+    /// no row. It is looked for from row `near` on, which becomes the first that is not below the rank.
+    pub fn entries_of(&self, rank: usize, near: &mut usize) -> Option<(&[u32], &[f64])> {
+        *near = seek(&self.rank, *near, |&of_row| (of_row as usize) < rank);
+        let row = *near;
+        self.rank.get(row).filter(|of_row| **of_row as usize == rank)?;
         let block = self.first.partition_point(|&first| first <= row) - 1;
         Some(self.blocks[block].entries(row - self.first[block]))
     }
@@ -134,19 +136,24 @@ impl SomeRows {
     }
 
     /// Calls `write(rank, rate)` for every stored row whose rank is in `ranks`, with the rate of
-    /// [`super::rows::Rows::apply`]. An empty `source` stands for zeros.
+    /// [`super::rows::Rows::apply`]. An empty `source` stands for zeros. Rows are looked for from `near` on, which
+    /// becomes the first of them.
     ///
     /// # Panics
     /// If `state` has another length than there are ranks.
     pub fn rates(
         &self,
         ranks: &Range<usize>,
+        near: &mut usize,
         state: &[f64],
         source: &[f64],
         write: impl FnMut(usize, f64),
     ) {
         assert_eq!(state.len(), self.count, "one value a rank");
-        wide::run(Rates { rows: self, ranks, state, source, write });
+        let rows = within_near(&self.rank, ranks, near);
+        if !rows.is_empty() {
+            wide::run(Rates { of: self, rows, state, source, write });
+        }
     }
 
     /// Calls `write(rank, A_aa)` for every stored row, 1/s; -1 for held particles.
@@ -164,13 +171,13 @@ impl SomeRows {
     }
 
     /// What the held particles with ranks in `ranks` would gain a second from those that are not, capacity x
-    /// value.
+    /// value. They are looked for from `near` on, which becomes the first of them.
     ///
     /// # Panics
     /// If `state` has another length than there are ranks.
-    pub fn held_rate(&self, ranks: &Range<usize>, state: &[f64]) -> f64 {
+    pub fn held_rate(&self, ranks: &Range<usize>, near: &mut usize, state: &[f64]) -> f64 {
         assert_eq!(state.len(), self.count, "one value a rank");
-        let held = within(&self.held_rank, ranks);
+        let held = within_near(&self.held_rank, ranks, near);
         held.map(|row| {
             let own = state[self.held_rank[row] as usize];
             self.held_capacity[row] * self.held.rate::<false>(row, own, state)
@@ -191,8 +198,8 @@ impl SomeRows {
 
 /// See [`SomeRows::rates`].
 struct Rates<'a, W> {
-    rows: &'a SomeRows,
-    ranks: &'a Range<usize>,
+    of: &'a SomeRows,
+    rows: Range<usize>,
     state: &'a [f64],
     source: &'a [f64],
     write: W,
@@ -203,8 +210,7 @@ impl<W: FnMut(usize, f64)> Work for Rates<'_, W> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Self { rows: all, ranks, state, source, mut write } = self;
-        let mut rows = within(&all.rank, ranks);
+        let Self { of: all, mut rows, state, source, mut write } = self;
         let mut block = all.first.partition_point(|&first| first <= rows.start);
         while !rows.is_empty() {
             let first = all.first[block - 1];
@@ -227,27 +233,41 @@ impl<W: FnMut(usize, f64)> Work for Rates<'_, W> {
 
 /// Which of `ranks`, which ascend, are in `range`.
 pub fn within(ranks: &[u32], range: &Range<usize>) -> Range<usize> {
-    let start = ranks.partition_point(|&rank| (rank as usize) < range.start);
-    take_below(ranks, &mut (start..ranks.len()), range.end)
+    within_near(ranks, range, &mut 0)
+}
+
+/// The same, looked for from `near` on, which becomes their start: fast where the range before was near.
+pub fn within_near(ranks: &[u32], range: &Range<usize>, near: &mut usize) -> Range<usize> {
+    *near = seek(ranks, *near, |&rank| (rank as usize) < range.start);
+    take_below(ranks, &mut (*near..ranks.len()), range.end)
 }
 
 /// Takes those that are below an end from the `rest` of ascending ranks.
 pub fn take_below(ranks: &[u32], rest: &mut Range<usize>, end: usize) -> Range<usize> {
     let start = rest.start;
-    rest.start += leading(&ranks[rest.clone()], end);
+    rest.start += leading(&ranks[rest.clone()], |&rank| (rank as usize) < end);
     start..rest.start
 }
 
-/// How many of ascending ranks are below an end: few as a rule.
-fn leading(ranks: &[u32], end: usize) -> usize {
-    let is_below = |rank: &u32| (*rank as usize) < end;
+/// How many of `all`, the first of which are below something and the others are not, are below it: looked for
+/// from `near` on.
+pub fn seek<T>(all: &[T], near: usize, is_below: impl Fn(&T) -> bool) -> usize {
+    let (before, behind) = all.split_at(near.min(all.len()));
+    match before.last() {
+        Some(last) if !is_below(last) => before.partition_point(is_below),
+        _ => before.len() + leading(behind, is_below),
+    }
+}
+
+/// The same from the first on: few as a rule.
+fn leading<T>(all: &[T], is_below: impl Fn(&T) -> bool) -> usize {
     let mut most = 1;
-    while ranks.get(most - 1).is_some_and(is_below) {
+    while all.get(most - 1).is_some_and(&is_below) {
         most *= 2;
     }
     // Those before the half were below.
     let half = most / 2;
-    half + ranks[half..most.min(ranks.len())].partition_point(is_below)
+    half + all[half..most.min(all.len())].partition_point(is_below)
 }
 
 #[cfg(test)]
@@ -259,11 +279,18 @@ mod tests {
         let ranks: Vec<u32> = (0..40).map(|k| 3 * k + 1).collect();
         for count in [0, 1, 2, 3, 4, 5, 8, 9, 39, 40] {
             for end in 0..125 {
-                let below = ranks[..count].iter().filter(|&&rank| (rank as usize) < end).count();
-                assert_eq!(leading(&ranks[..count], end), below, "{count} up to {end}");
+                let is_below = |rank: &u32| (*rank as usize) < end;
+                let below = ranks[..count].iter().filter(|rank| is_below(rank)).count();
+                for near in [0, 1, 7, 39, 40, 50] {
+                    let found = seek(&ranks[..count], near, is_below);
+                    assert_eq!(found, below, "{count} up to {end} from {near} on");
+                }
             }
         }
         assert_eq!(within(&ranks, &(5..14)), 2..5);
         assert_eq!(within(&ranks, &(500..600)), 40..40);
+        let mut near = 30;
+        assert_eq!(within_near(&ranks, &(5..14), &mut near), 2..5);
+        assert_eq!(near, 2);
     }
 }

@@ -8,20 +8,22 @@ use crate::model::wide::{Work, choose, multiply_add};
 const FEW: usize = 16;
 
 /// Adds `dt` times what is in `out` to each enthalpy, and writes its potential there.
-pub(super) struct Change<'a> {
+pub(super) struct Change<'a, F> {
     /// None where the potential is the enthalpy.
     pub(super) curve: Option<&'a HeatCurve>,
     pub(super) enthalpies: &'a mut [f64],
     pub(super) out: &'a mut [f64],
     pub(super) dt: f64,
+    /// Called with the parts where any may melt at one temperature after it: where they begin, and their enthalpies.
+    pub(super) may_melt: F,
 }
 
-impl Work for Change<'_> {
+impl<F: FnMut(usize, &[f64])> Work for Change<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Self { curve, enthalpies, out, dt } = self;
+        let Self { curve, enthalpies, out, dt, mut may_melt } = self;
         let Some(curve) = curve else {
             for (out, enthalpy) in out.iter_mut().zip(enthalpies) {
                 *enthalpy = multiply_add::<FUSED>(dt, *out, *enthalpy);
@@ -29,24 +31,38 @@ impl Work for Change<'_> {
             }
             return;
         };
+        let segments = curve.segments();
+        let flat = segments.iter().position(|segment| segment.warming == 0.0);
         let first = enthalpies.first().map_or(0.0, |first| *first);
-        let mut here = Here { segments: curve.segments(), which: curve.which(first) };
-        let (mut parts, mut rates) = (enthalpies.chunks_exact_mut(FEW), out.chunks_exact_mut(FEW));
-        for (few, out) in parts.by_ref().zip(rates.by_ref()) {
-            let few = few.try_into().expect("so many");
-            here.few::<FUSED>(few, out.try_into().expect("so many"), dt);
-        }
-        let (few, out) = (parts.into_remainder(), rates.into_remainder());
-        let Some(&last) = few.last() else {
+        let mut here = Here { segments, which: curve.which(first), flat };
+        let count = enthalpies.len();
+        if count < FEW {
+            // What fills up does not change.
+            let (mut few, mut changes) = ([first; FEW], [0.0; FEW]);
+            few[..count].copy_from_slice(enthalpies);
+            changes[..count].copy_from_slice(out);
+            let any = here.few::<FUSED>(&mut few, &mut changes, dt);
+            enthalpies.copy_from_slice(&few[..count]);
+            out.copy_from_slice(&changes[..count]);
+            if any {
+                may_melt(0, enthalpies);
+            }
             return;
-        };
-        // What fills the rest up does not change.
-        let (mut these, mut changes) = ([last; FEW], [0.0; FEW]);
-        these[..few.len()].copy_from_slice(few);
-        changes[..out.len()].copy_from_slice(out);
-        here.few::<FUSED>(&mut these, &mut changes, dt);
-        few.copy_from_slice(&these[..few.len()]);
-        out.copy_from_slice(&changes[..out.len()]);
+        }
+        let mut done = 0;
+        while done < count {
+            let start = done.min(count - FEW);
+            if start < done {
+                // The last few: those among them that have changed do not change again.
+                out[start..done].fill(0.0);
+            }
+            let few = (&mut enthalpies[start..start + FEW]).try_into().expect("so many");
+            let changes = (&mut out[start..start + FEW]).try_into().expect("so many");
+            if here.few::<FUSED>(few, changes, dt) {
+                may_melt(done, &enthalpies[done..start + FEW]);
+            }
+            done = start + FEW;
+        }
     }
 }
 
@@ -54,25 +70,27 @@ impl Work for Change<'_> {
 struct Here<'a> {
     segments: &'a [Segment],
     which: usize,
+    /// The segment where it melts at one temperature, if it does.
+    flat: Option<usize>,
 }
 
 impl Here<'_> {
     /// Enthalpies between which all are of the segment, the first of them too.
     #[inline(always)]
     fn ends(&self) -> [f64; 2] {
-        let Self { segments, which } = *self;
+        let Self { segments, which, .. } = *self;
         let start = if which == 0 { f64::NEG_INFINITY } else { segments[which].start };
         [start, segments.get(which + 1).map_or(f64::INFINITY, |next| next.start)]
     }
 
-    /// Changes a few enthalpies.
+    /// Changes a few enthalpies; returns whether any may melt at one temperature after it.
     #[inline(always)]
     fn few<const FUSED: bool>(
         &mut self,
         enthalpies: &mut [f64; FEW],
         out: &mut [f64; FEW],
         dt: f64,
-    ) {
+    ) -> bool {
         let ([start, end], segment) = (self.ends(), self.segments[self.which]);
         let (mut after, mut potentials, mut within) = ([0.0; FEW], [0.0; FEW], u64::MAX);
         for x in 0..FEW {
@@ -83,14 +101,20 @@ impl Here<'_> {
         }
         *enthalpies = after;
         *out = potentials;
-        if within >> 63 == 0 {
-            self.few_of_several::<FUSED>(&after, out);
+        match within >> 63 == 0 {
+            true => self.few_of_several::<FUSED>(enthalpies, out),
+            false => self.flat == Some(self.which),
         }
     }
 
     /// Writes the potentials of a few enthalpies: for each segment that they are of with all of them at once.
+    /// Returns what [`Self::few`] does.
     #[inline(always)]
-    fn few_of_several<const FUSED: bool>(&mut self, enthalpies: &[f64; FEW], out: &mut [f64; FEW]) {
+    fn few_of_several<const FUSED: bool>(
+        &mut self,
+        enthalpies: &[f64; FEW],
+        out: &mut [f64; FEW],
+    ) -> bool {
         let mut which = self.which;
         while which > 0 && any_is_below(self.segments[which].start, enthalpies) {
             which -= 1;
@@ -99,7 +123,7 @@ impl Here<'_> {
             out[x] = self.segments[which].potential_at::<FUSED>(enthalpies[x]);
         }
         self.which = which;
-        let last = enthalpies[FEW - 1];
+        let (first, last) = (which, enthalpies[FEW - 1]);
         while let Some(next) =
             self.segments.get(which + 1).filter(|next| any_is_at_least(next.start, enthalpies))
         {
@@ -112,6 +136,7 @@ impl Here<'_> {
                 self.which = which;
             }
         }
+        self.flat.is_some_and(|flat| (first..=which).contains(&flat))
     }
 }
 
@@ -161,11 +186,13 @@ mod tests {
                 let mut enthalpies: Vec<f64> =
                     (0..5003).map(|k| 200.0 + 0.17 * f64::from(k)).collect();
                 let mut out = vec![2.0; enthalpies.len()];
+                let mut parts = Vec::new();
                 wide::run(Change {
                     curve: Some(&curve),
                     enthalpies: &mut enthalpies,
                     out: &mut out,
                     dt: 0.5,
+                    may_melt: |first: usize, few: &[f64]| parts.push(first..first + few.len()),
                 });
                 assert_eq!(enthalpies[10], 200.0 + 1.7 + 1.0);
                 let off = |shift: usize| {
@@ -174,6 +201,13 @@ mod tests {
                 };
                 assert!(off(0) < 1e-10, "{:e}", off(0));
                 assert!(off(1) > 0.1, "a shift is noticed");
+                let melts = |enthalpy: f64| curve.slope(enthalpy) == 0.0;
+                for (k, &enthalpy) in enthalpies.iter().enumerate().filter(|(_, h)| melts(**h)) {
+                    assert!(parts.iter().any(|part| part.contains(&k)), "{k}: {enthalpy}");
+                }
+                let many: usize = parts.iter().map(|part| part.len()).sum();
+                let few = enthalpies.iter().filter(|h| melts(**h)).count();
+                assert!(many <= few + 2 * FEW, "{many} are looked at for {few}");
             }
         }
     }

@@ -51,13 +51,12 @@ impl Course {
 
     /// The potential at an enthalpy; what is solid is not above where it melts.
     pub(super) fn potential(&self, enthalpy: f64) -> f64 {
+        if self.begins < enthalpy && enthalpy < self.ends {
+            return self.melts;
+        }
         let of_curve = self.curve.potential(enthalpy);
         let is_liquid = enthalpy >= self.ends;
-        if !is_liquid && (enthalpy > self.begins || of_curve > self.melts) {
-            self.melts
-        } else {
-            of_curve
-        }
+        if !is_liquid && of_curve > self.melts { self.melts } else { of_curve }
     }
 
     /// The enthalpy at a potential that tells it.
@@ -86,52 +85,65 @@ impl Work for GoOn<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { course, mut now, mut out, dt, leaving, mut first } = self;
+        let [solid, liquid] = course.slopes;
+        let step = Step { solid: dt * solid, liquid: dt * liquid, melts: course.melts };
         while let Some((these, more)) = now.split_first_chunk::<FEW>() {
             let (rates, rest) = out.split_first_chunk_mut::<FEW>().expect("as many");
-            course.step::<FUSED>(these, rates, dt, first, leaving);
+            let (mut next, mut leaves) = ([0.0; FEW], 0);
+            for x in 0..FEW {
+                next[x] = step.one::<FUSED>(these[x], rates[x]);
+                // Bits of signs, since a processor puts them together for several at once.
+                leaves |= step.above(these[x]).to_bits() ^ step.above(next[x]).to_bits();
+            }
+            if leaves >> 63 == 0 {
+                *rates = next;
+            } else {
+                step.some(these, rates, &mut |x, rate| leaving.push((first + x, dt * rate)));
+            }
             (now, out, first) = (more, rest, first + FEW);
         }
-        // What fills the rest up stays where it is.
-        let (mut these, mut rates) = ([course.melts; FEW], [0.0; FEW]);
-        these[..now.len()].copy_from_slice(now);
-        rates[..out.len()].copy_from_slice(out);
-        course.step::<FUSED>(&these, &mut rates, dt, first, leaving);
-        out.copy_from_slice(&rates[..out.len()]);
+        step.some(now, out, &mut |x, rate| leaving.push((first + x, dt * rate)));
     }
 }
 
-impl Course {
+/// A step of potentials.
+#[derive(Clone, Copy)]
+struct Step {
+    /// Rises with a rate of a solid and of a liquid, s.
+    solid: f64,
+    liquid: f64,
+    /// See [`Course`].
+    melts: f64,
+}
+
+impl Step {
+    /// How far melting is above a potential: of a liquid by its sign a negative number, which a choice takes as it
+    /// is.
     #[inline(always)]
-    fn step<const FUSED: bool>(
-        &self,
-        now: &[f64; FEW],
-        out: &mut [f64; FEW],
-        dt: f64,
-        first: usize,
-        leaving: &mut Vec<(usize, f64)>,
-    ) {
-        let [solid, liquid] = self.slopes;
-        let (mut next, mut any_leaves) = ([0.0; FEW], false);
-        for x in 0..FEW {
-            let slope = choose(self.is_liquid(now[x]), liquid, solid);
-            next[x] = multiply_add::<FUSED>(slope, dt * out[x], now[x]);
-            any_leaves |= self.is_liquid(now[x]) != self.is_liquid(next[x]);
-        }
-        if any_leaves {
-            for x in 0..FEW {
-                if self.is_liquid(now[x]) != self.is_liquid(next[x]) {
-                    leaving.push((first + x, dt * out[x]));
-                    next[x] = now[x];
-                }
-            }
-        }
-        *out = next;
+    fn above(self, potential: f64) -> f64 {
+        self.melts - potential
     }
 
-    /// Whether a potential is above that of melting: by the sign of a difference, which a choice takes as it is.
     #[inline(always)]
-    fn is_liquid(&self, potential: f64) -> bool {
-        (self.melts - potential).is_sign_negative()
+    fn one<const FUSED: bool>(self, now: f64, rate: f64) -> f64 {
+        let rise = choose(self.above(now).is_sign_negative(), self.liquid, self.solid);
+        multiply_add::<FUSED>(rise, rate, now)
+    }
+
+    /// Writes those after the step that do not begin to melt or to freeze; calls `leaves` with the others and their
+    /// rates. Rarely needed: beside what is, it would keep that from staying in registers.
+    #[cold]
+    #[inline(never)]
+    fn some(self, now: &[f64], out: &mut [f64], leaves: &mut dyn FnMut(usize, f64)) {
+        for (x, (&now, out)) in now.iter().zip(out).enumerate() {
+            let rate = *out;
+            let next = self.one::<false>(now, rate);
+            let changes = self.above(now).is_sign_negative() != self.above(next).is_sign_negative();
+            if changes {
+                leaves(x, rate);
+            }
+            *out = if changes { now } else { next };
+        }
     }
 }
 

@@ -16,9 +16,6 @@ use crate::model::operator::Seams;
 use crate::model::wide;
 use crate::model::{HeatCurve, Problem};
 
-/// Materials that are looked at together.
-const FEW: usize = 16;
-
 /// The state of a scene with curves, by place.
 ///
 /// Where the potential of a particle tells its enthalpy unless it melts, Euler's steps take potentials on and know
@@ -48,6 +45,8 @@ pub(super) struct HeatScene {
 pub(super) struct Curves {
     /// By place: which one; none where all have the first.
     of: Option<Arc<[u16]>>,
+    /// The places where another begins.
+    starts: Vec<u32>,
     curves: Vec<Option<Arc<HeatCurve>>>,
 }
 
@@ -68,7 +67,7 @@ impl Enthalpy {
             }
         }
         let seams = Seams::of(problem, &place);
-        let fronts = FrontFlows::new(problem, capacities, curves.of.as_ref());
+        let fronts = FrontFlows::new(problem, capacities, curves.of.as_ref(), operator);
         let values = operator.by_place(&problem.initial);
         let scene = HeatScene { course: curves.course(), curves, seams, fronts };
         Self { values, latent: None, latent_bytes: 0, scene }
@@ -212,9 +211,12 @@ impl Enthalpy {
 
     /// Bytes that it holds.
     pub(super) fn memory_bytes(&self) -> usize {
-        let curves = self.scene.curves.of.as_ref().map_or(0, |of| size_of_val(&**of));
+        let curves = &self.scene.curves;
+        let of = curves.of.as_ref().map_or(0, |of| size_of_val(&**of));
+        let curves = of + size_of_val(&*curves.starts);
         let seams = self.scene.seams.as_ref().map_or(0, Seams::memory_bytes);
-        size_of_val(&*self.values) + curves + seams + self.latent_bytes
+        let fronts = self.scene.fronts.as_ref().map_or(0, FrontFlows::memory_bytes);
+        size_of_val(&*self.values) + curves + seams + fronts + self.latent_bytes
     }
 }
 
@@ -227,10 +229,16 @@ impl Curves {
             (None, all.skip(usize::from(material[0])).take(1).collect())
         } else {
             let numbers: Vec<f64> = material.iter().map(|&m| f64::from(m)).collect();
-            let of = operator.by_place(&numbers).into_iter().map(|m| m as u16).collect();
+            let of: Arc<[u16]> =
+                operator.by_place(&numbers).into_iter().map(|m| m as u16).collect();
             (Some(of), all.collect())
         };
-        Self { of, curves }
+        let changes = |of: &Arc<[u16]>| {
+            let pairs = (1..).zip(of.windows(2));
+            pairs.filter(|(_, pair)| pair[0] != pair[1]).map(|(place, _)| place).collect()
+        };
+        let starts = of.as_ref().map_or(Vec::new(), changes);
+        Self { of, starts, curves }
     }
 
     /// The course of all places, if they have one.
@@ -254,42 +262,33 @@ impl Curves {
         &self,
         places: Range<usize>,
     ) -> impl Iterator<Item = (Range<usize>, Option<&HeatCurve>)> {
+        let first = self.starts.partition_point(|&start| start as usize <= places.start);
+        let mut starts = self.starts[first..].iter();
         let mut start = places.start;
         std::iter::from_fn(move || {
-            let length = match &self.of {
-                _ if start == places.end => return None,
-                None => places.end - start,
-                Some(of) => {
-                    let rest = &of[start..places.end];
-                    // Many at once as long as all are the same.
-                    let is_of_first =
-                        |few: &&[u16]| few.iter().fold(true, |all, m| all & (*m == rest[0]));
-                    let many = FEW * rest.chunks_exact(FEW).take_while(is_of_first).count();
-                    let more = rest[many..].iter().take_while(|m| **m == rest[0]).count();
-                    many + more
-                }
-            };
-            let run = start..start + length;
+            let next = starts.next().map_or(places.end, |&next| places.end.min(next as usize));
+            let run = start..next;
             start = run.end;
-            Some((run.clone(), self.at(run.start)))
+            (!run.is_empty()).then(|| (run.clone(), self.at(run.start)))
         })
     }
 
     /// Adds `dt` times changes, which are in `out`, to `values`, of places from `first` on, and writes their
-    /// potentials there; calls `visit` with each part that is of one material: where it begins, and its values.
+    /// potentials there; calls `may_melt` with parts where some may melt at one temperature after it: where they
+    /// begin, and their values.
     pub(super) fn change(
         &self,
         first: usize,
         values: &mut [f64],
         out: &mut [f64],
         dt: f64,
-        mut visit: impl FnMut(usize, &[f64]),
+        mut may_melt: impl FnMut(usize, &[f64]),
     ) {
         for (run, curve) in self.runs(first..first + out.len()) {
             let local = run.start - first..run.end - first;
             let (enthalpies, out) = (&mut values[local.clone()], &mut out[local]);
-            wide::run(Change { curve, enthalpies, out, dt });
-            visit(run.start, enthalpies);
+            let may_melt = |begins: usize, few: &[f64]| may_melt(run.start + begins, few);
+            wide::run(Change { curve, enthalpies, out, dt, may_melt });
         }
     }
 }

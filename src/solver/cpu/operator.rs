@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::CHUNK;
 use super::enthalpy::Enthalpy;
-use super::entries::Entries;
+use super::entries::{Entries, Near};
 use super::partial_step::{self, PartialStep};
 use crate::model::operator::SourceRows;
 
@@ -61,8 +61,8 @@ pub(super) trait CpuOperator: Send + Sync {
     /// The rows that walls act on.
     fn sources(&self) -> &SourceRows;
 
-    /// The neighbours of the particle in a place, which is not held.
-    fn entries(&self, place: usize) -> Entries<'_>;
+    /// The neighbours of the particle in a place, which is not held; looked up from `near` on.
+    fn entries(&self, place: usize, near: &mut Near) -> Entries<'_>;
 
     /// How many places a neighbour is away at most, round the ends of periodic axes.
     fn reach(&self) -> usize;

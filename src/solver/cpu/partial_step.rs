@@ -12,6 +12,9 @@ use super::operator::CpuOperator;
 use crate::model::operator::{take_below, within};
 use crate::model::wide;
 
+/// Values that are worked on together: parts are whole numbers of them but for the last.
+const FEW: usize = 16;
+
 /// A step of places that follow each other.
 pub(super) struct PartialStep<'a, O: ?Sized> {
     all: &'a WholeStep<'a, O>,
@@ -92,10 +95,14 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 self.has_fronts = true;
             }
             ready = self.fronts.untouched(latent, seen).saturating_sub(first).max(self.done);
-            if self.has_fronts {
-                let held = first + self.done..first + ready;
-                self.given += fronts.take_held(operator, held, first, out);
-            }
+        }
+        if known < out.len() {
+            // The rest with those that follow.
+            ready -= (ready - self.done) % FEW;
+        }
+        if let Some(fronts) = scene.fronts.as_ref().filter(|_| self.has_fronts) {
+            let held = first + self.done..first + ready;
+            self.given += fronts.take_held(operator, held, first, out);
         }
         if ready > self.done {
             let part = self.done..ready;

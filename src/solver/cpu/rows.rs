@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use super::entries::Entries;
+use super::entries::{Entries, Near};
 use super::operator::{Combine, CpuOperator, Now};
 use crate::model::Problem;
 use crate::model::operator::SourceRows;
@@ -50,7 +50,7 @@ impl CpuOperator for StoredRows {
         self.rows.sources()
     }
 
-    fn entries(&self, place: usize) -> Entries<'_> {
+    fn entries(&self, place: usize, _near: &mut Near) -> Entries<'_> {
         let (others, weights) = self.rows.entries(place);
         Entries::Row(others, weights)
     }

@@ -4,13 +4,9 @@ use std::ops::Range;
 
 use super::FrontFlows;
 use crate::model::wide::{Work, choose};
-use crate::solver::cpu::entries::{Entries, LANES, Lines};
+use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
 use crate::solver::cpu::latent::Latent;
 use crate::solver::cpu::operator::CpuOperator;
-
-/// So many melting particles that follow each other are worked on together: at least, and at most.
-const LEAST: usize = 4;
-const MOST: usize = 64;
 
 /// Adds the flows of some latent particles.
 pub(super) struct Add<'a, O: ?Sized> {
@@ -26,7 +22,7 @@ pub(super) struct Add<'a, O: ?Sized> {
 
 /// Potential of a melting particle, and how much more than the operator has of it flows to a liquid and to a solid
 /// neighbour, in parts.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Flow {
     potential: f64,
     to_liquid: f64,
@@ -34,6 +30,30 @@ struct Flow {
 }
 
 impl Flow {
+    /// That of a particle with an enthalpy (K) in a place: nothing if it does not melt.
+    #[inline(always)]
+    fn of(fronts: &FrontFlows, place: usize, enthalpy: f64) -> Self {
+        match fronts.front(place) {
+            Some(front) if front.is_in(enthalpy) => {
+                let [to_liquid, to_solid] = fronts.fronts.excess(front, enthalpy);
+                Self { potential: front.potential, to_liquid, to_solid }
+            }
+            _ => Self::default(),
+        }
+    }
+
+    #[inline(always)]
+    fn is_none(self) -> bool {
+        self.to_liquid == 0.0 && self.to_solid == 0.0
+    }
+
+    /// That where all weights are to be multiplied by a factor.
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        let Self { potential, to_liquid, to_solid } = self;
+        Self { potential, to_liquid: factor * to_liquid, to_solid: factor * to_solid }
+    }
+
     /// From a neighbour of some potential and weight. What melts too has the same potential, and gives nothing.
     #[inline(always)]
     fn from(self, other: f64, weight: f64) -> f64 {
@@ -48,49 +68,38 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { of, latent, which, operator, potentials, own, rates } = self;
-        let (mut flows, mut together) = (Vec::new(), Together::default());
-        let (mut alone, mut rest) = (which.start, which);
-        while let Some(k) = rest.next() {
-            let place = latent.places()[k] as usize;
-            let enthalpy = latent.enthalpies()[k];
-            let Some(front) = of.front(place).filter(|front| front.is_in(enthalpy)) else {
+        let (places, enthalpies) = (&latent.places()[which.clone()], &latent.enthalpies()[which]);
+        // All before any is needed, since a processor divides several at once.
+        let mut flows = vec![Flow::default(); places.len()];
+        for ((flow, &place), &enthalpy) in flows.iter_mut().zip(places).zip(enthalpies) {
+            *flow = Flow::of(of, place as usize, enthalpy);
+        }
+        // What they gain, in parts that are added together at last.
+        let mut gains = vec![[0.0; LANES]; places.len()];
+        let mut near = Near::default();
+        for ((&place, &flow), gain) in places.iter().zip(&flows).zip(&mut gains) {
+            if flow.is_none() {
                 continue;
-            };
-            let found = match k >= alone {
-                true => together.find(of, latent, k..rest.end, operator),
-                false => None,
-            };
-            if let Some((lines, factor)) = found {
-                let next = k + together.count();
-                if of.is_alike(place, together.count(), lines)
-                    && together.add(lines, factor, place, potentials, own.start, rates)
-                {
-                    rest.start = next;
-                    continue;
-                }
-                alone = next;
             }
-            let [to_liquid, to_solid] = of.fronts.excess(front, enthalpy);
-            let flow = Flow { potential: front.potential, to_liquid, to_solid };
-            let mut gain = 0.0;
+            let place = place as usize;
             let mut add = |other: usize, weight: f64| {
                 let Some(ratio) = of.ratio(place, other) else {
                     return;
                 };
                 let flow = flow.from(potentials[other], weight);
-                gain += flow;
+                gain[0] += flow;
                 if let Some(rate) = rates.get_mut(other.wrapping_sub(own.start)) {
                     *rate -= flow * ratio;
                 }
             };
-            match operator.entries(place) {
+            match operator.entries(place, &mut near) {
                 Entries::Lines(lines, factor) => {
                     let start = lines.start(place);
                     match potentials.get(start..start + lines.span()) {
-                        Some(around) if of.is_alike(place, 1, lines) => {
-                            flows.resize(lines.weights.len(), 0.0);
-                            all_from(flow, lines, factor, around, &mut flows);
-                            gain = give(lines, &flows, start.wrapping_sub(own.start), rates);
+                        Some(around) if of.is_alike(place) => {
+                            let first = start.wrapping_sub(own.start);
+                            let is_own = own.contains(&place);
+                            *gain = along(lines, flow.times(factor), around, first, is_own, rates);
                         }
                         _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                     }
@@ -99,154 +108,71 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     let entries = others.iter().zip(weights);
                     entries.for_each(|(&other, &weight)| add(other as usize, weight));
                 }
-                Entries::Site(scene, site, factor) => {
-                    scene.entries(site, |other, weight| add(other, factor * weight));
-                }
             }
-            if let Some(rate) = rates.get_mut(place.wrapping_sub(own.start)) {
-                *rate += gain;
+        }
+        for (&place, gain) in places.iter().zip(&gains) {
+            if let Some(rate) = rates.get_mut((place as usize).wrapping_sub(own.start)) {
+                *rate += (gain[0] + gain[1]) + (gain[2] + gain[3]);
             }
         }
     }
 }
 
-/// Writes the flows from all of `lines`, whose weights are to be multiplied by a factor, and whose potentials are
-/// in `around` from the first to the last. In loops that the processor runs on several values at once.
+/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from the `rates`
+/// of these as far as they are there, where the first line begins at `first`; returns what they are together, in
+/// parts, if the particle `is_own`: there, what lies beyond counts too.
 #[inline(always)]
-fn all_from(flow: Flow, lines: &Lines, factor: f64, around: &[f64], flows: &mut [f64]) {
-    for (potentials, ahead) in flows.chunks_exact_mut(LANES).zip(&lines.ahead) {
-        potentials.copy_from_slice(&around[*ahead..ahead + LANES]);
-    }
-    for (x, weight) in flows.iter_mut().zip(&lines.weights) {
-        *x = flow.from(*x, factor * weight);
-    }
-}
-
-/// Takes the `flows` from all of `lines`, the first of which begins at `start` of `rates`, from these as far as
-/// they are there; returns what they are together.
-#[inline(always)]
-fn give(lines: &Lines, flows: &[f64], start: usize, rates: &mut [f64]) -> f64 {
+fn along(
+    lines: &Lines,
+    flow: Flow,
+    around: &[f64],
+    first: usize,
+    is_own: bool,
+    rates: &mut [f64],
+) -> [f64; LANES] {
     let mut gains = [0.0; LANES];
-    for (flows, ahead) in flows.chunks_exact(LANES).zip(&lines.ahead) {
-        for x in 0..LANES {
-            gains[x] += flows[x];
+    let count = rates.len();
+    for (ahead, weights) in lines.all() {
+        let to = first.wrapping_add(*ahead);
+        let rates_there = rates.get_mut(to..to.wrapping_add(LANES));
+        if rates_there.is_none() && !is_own && is_beyond(to, count) {
+            continue;
         }
-        let first = start.wrapping_add(*ahead);
-        match rates.get_mut(first..first.wrapping_add(LANES)) {
+        let others: &[f64; LANES] =
+            around[*ahead..*ahead + LANES].try_into().expect("a line's length");
+        let mut flows = [0.0; LANES];
+        for x in 0..LANES {
+            flows[x] = flow.from(others[x], weights[x]);
+        }
+        match rates_there {
             Some(rates) => {
                 for x in 0..LANES {
                     rates[x] -= flows[x];
                 }
             }
-            None => {
-                for (x, flow) in flows.iter().enumerate() {
-                    if let Some(rate) = rates.get_mut(first.wrapping_add(x)) {
-                        *rate -= flow;
-                    }
-                }
-            }
+            None if is_beyond(to, count) => {}
+            None => take_some(&flows, to, rates),
+        }
+        for x in 0..LANES {
+            gains[x] += flows[x];
         }
     }
-    (gains[0] + gains[1]) + (gains[2] + gains[3])
+    gains
 }
 
-/// Melting particles that follow each other, all with the neighbours of the first, so many places further: their
-/// flows are found together.
-#[derive(Default)]
-struct Together {
-    potential: f64,
-    to_liquid: Vec<f64>,
-    to_solid: Vec<f64>,
-    gains: Vec<f64>,
-    flows: Vec<f64>,
-}
-
-impl Together {
-    /// Finds those that follow the first of `which`, and what is around each, if they are enough.
-    #[inline(always)]
-    fn find<'o, O: CpuOperator + ?Sized>(
-        &mut self,
-        of: &FrontFlows,
-        latent: &Latent,
-        which: Range<usize>,
-        operator: &'o O,
-    ) -> Option<(&'o Lines, f64)> {
-        let places = &latent.places()[which.clone()];
-        let first = places[0];
-        if *places.get(LEAST - 1)? != first + (LEAST as u32 - 1) {
-            return None;
-        }
-        let Entries::Lines(lines, factor) = operator.entries(first as usize) else {
-            return None;
-        };
-        let front = of.front(first as usize)?;
-        self.potential = front.potential;
-        self.to_liquid.clear();
-        self.to_solid.clear();
-        for ((expected, place), k) in (first..).zip(places).zip(which).take(MOST) {
-            let enthalpy = latent.enthalpies()[k];
-            let entries = operator.entries(*place as usize);
-            let has_lines = matches!(entries, Entries::Lines(_, own) if own == factor);
-            if !(*place == expected && front.is_in(enthalpy) && has_lines) {
-                break;
-            }
-            let [to_liquid, to_solid] = of.fronts.excess(front, enthalpy);
-            self.to_liquid.push(to_liquid);
-            self.to_solid.push(to_solid);
-        }
-        (self.to_liquid.len() >= LEAST).then_some((lines, factor))
-    }
-
-    /// How many they are.
-    #[inline(always)]
-    fn count(&self) -> usize {
-        self.to_liquid.len()
-    }
-
-    /// Adds their flows, the first being in `place`, to the `rates` of places from `first` on; false where lines go
-    /// beyond all places.
-    #[inline(always)]
-    fn add(
-        &mut self,
-        lines: &Lines,
-        factor: f64,
-        place: usize,
-        potentials: &[f64],
-        first: usize,
-        rates: &mut [f64],
-    ) -> bool {
-        let Self { potential, to_liquid, to_solid, gains, flows } = self;
-        let (count, start) = (to_liquid.len(), lines.start(place));
-        let Some(around) = potentials.get(start..start + lines.span() + count - 1) else {
-            return false;
-        };
-        gains.clear();
-        gains.resize(count, 0.0);
-        flows.resize(count, 0.0);
-        let lanes = lines.ahead.iter().flat_map(|ahead| *ahead..ahead + LANES);
-        for (ahead, weight) in lanes.zip(&lines.weights).filter(|(_, weight)| **weight != 0.0) {
-            let weight = factor * weight;
-            let others = &around[ahead..ahead + count];
-            let excess = to_liquid.iter().zip(&*to_solid);
-            let sums = flows.iter_mut().zip(gains.iter_mut());
-            for ((other, (&to_liquid, &to_solid)), (flow, gain)) in
-                others.iter().zip(excess).zip(sums)
-            {
-                let of = Flow { potential: *potential, to_liquid, to_solid };
-                *flow = of.from(*other, weight);
-                *gain += *flow;
-            }
-            add_to(rates, first, start + ahead, flows.iter().map(|flow| -flow));
-        }
-        add_to(rates, first, place, gains.iter().copied());
-        true
-    }
-}
-
-/// Adds to the `rates` of places from `first` on what places from `start` on get, as far as they are there.
+/// Whether a line that begins at `first` of so many rates has nothing in common with them.
 #[inline(always)]
-fn add_to(rates: &mut [f64], first: usize, start: usize, gains: impl Iterator<Item = f64>) {
-    let skipped = first.saturating_sub(start);
-    let rates = rates.get_mut(start.saturating_sub(first)..).unwrap_or_default();
-    rates.iter_mut().zip(gains.skip(skipped)).for_each(|(rate, gain)| *rate += gain);
+fn is_beyond(first: usize, count: usize) -> bool {
+    // What begins before the first has wrapped around.
+    first >= count && first.wrapping_add(LANES - 1) >= count
+}
+
+/// Takes the flows of a line that begins at `first` of `rates` from these, as far as they are there.
+#[inline(always)]
+fn take_some(flows: &[f64; LANES], first: usize, rates: &mut [f64]) {
+    for (x, flow) in flows.iter().enumerate() {
+        if let Some(rate) = rates.get_mut(first.wrapping_add(x)) {
+            *rate -= flow;
+        }
+    }
 }

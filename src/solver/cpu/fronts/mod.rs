@@ -6,19 +6,23 @@ mod queue;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::entries::Lines;
+use rayon::prelude::*;
+
+use super::entries::{Entries, Lines, Near};
 use super::latent::Latent;
 use super::operator::CpuOperator;
 use super::vector::Capacities;
 use crate::model::Problem;
 use crate::model::operator::{Front, Fronts, within};
-use crate::model::wide::{self, Work};
+use crate::model::wide;
 
 use add::Add;
 pub(super) use queue::Queue;
 
-/// Enthalpies that are looked at together.
-const FEW: usize = 16;
+/// Of a word.
+const BITS: usize = u64::BITS as usize;
+/// Words that one parallel task finds, at least.
+const WORDS_OF_A_TASK: usize = 1 << 6;
 
 /// What is needed of a scene where something melts at one temperature, by place.
 pub(super) struct FrontFlows {
@@ -26,6 +30,9 @@ pub(super) struct FrontFlows {
     /// The material of each place, where fronts differ; else the front of all.
     of: Which,
     capacities: Arc<Capacities>,
+    /// By place, a bit each: whether all that its [`Lines`] go over is of its material and its capacity, and is there;
+    /// `None` where all is.
+    alike: Option<Vec<u64>>,
 }
 
 enum Which {
@@ -34,18 +41,22 @@ enum Which {
 }
 
 impl FrontFlows {
-    /// Those of `problem`, whose particles have `capacities` and, where curves differ, `materials`, by place.
+    /// Those of `problem`, whose particles have `capacities` and, where curves differ, `materials`, by place, as
+    /// `operator` has them.
     pub(super) fn new(
         problem: &Problem,
         capacities: &Arc<Capacities>,
         materials: Option<&Arc<[u16]>>,
+        operator: &dyn CpuOperator,
     ) -> Option<Self> {
         let fronts = Fronts::of(problem)?;
         let of = match materials {
             None => Which::Same(*fronts.of_material(problem.particles.material[0])?),
             Some(materials) => Which::Each(Arc::clone(materials)),
         };
-        Some(Self { fronts, of, capacities: Arc::clone(capacities) })
+        let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), alike: None };
+        flows.alike = flows.find_alike(operator);
+        Some(flows)
     }
 
     /// Adds what flows to and from some of those that melt to the `rates` of places from `first` on, where the
@@ -68,16 +79,20 @@ impl FrontFlows {
         self.front(place).is_some_and(|front| front.is_in(enthalpy))
     }
 
-    /// Finds what melts among the places of one material from `first` on, which have `enthalpies`.
+    /// Calls `found` with what melts among the places of one material from `first` on, which have `enthalpies`.
     pub(super) fn find_latent(
         &self,
         first: usize,
         enthalpies: &[f64],
         mut found: impl FnMut(usize, f64),
     ) {
-        if let Some(front) = self.front(first) {
-            let found = |k: usize| found(first + k, enthalpies[k]);
-            wide::run(Find { front, enthalpies, found });
+        let Some(front) = self.front(first) else {
+            return;
+        };
+        for (place, &enthalpy) in (first..).zip(enthalpies) {
+            if front.is_in(enthalpy) {
+                found(place, enthalpy);
+            }
         }
     }
 
@@ -104,19 +119,44 @@ impl FrontFlows {
         }
     }
 
-    /// Whether all that lines of so many places from `place` on go over is of the material and the capacity of what is
-    /// in `place`, and is there.
-    #[inline(always)]
-    fn is_alike(&self, place: usize, count: usize, lines: &Lines) -> bool {
-        let is_of_one = match &self.of {
-            Which::Same(_) => true,
-            Which::Each(materials) => lines.are_all(place, count, materials),
+    fn find_alike(&self, operator: &dyn CpuOperator) -> Option<Vec<u64>> {
+        let materials = match &self.of {
+            Which::Same(_) => None,
+            Which::Each(materials) => Some(&**materials),
         };
-        is_of_one
-            && match &*self.capacities {
-                Capacities::Same(_) => true,
-                Capacities::Each(capacities) => lines.are_all(place, count, capacities),
-            }
+        let capacities = match &*self.capacities {
+            Capacities::Same(_) => None,
+            Capacities::Each(capacities) => Some(&**capacities),
+        };
+        let count = materials.map(<[u16]>::len).or(capacities.map(<[f64]>::len))?;
+        let is_alike = |place: usize, lines: &Lines| {
+            materials.is_none_or(|materials| lines.are_all(place, materials))
+                && capacities.is_none_or(|capacities| lines.are_all(place, capacities))
+        };
+        let bits = |word: usize| {
+            let (first, mut near) = (word * BITS, Near::default());
+            let places = first..count.min(first + BITS);
+            places.rev().fold(0, |bits, place| {
+                let entries = self.front(place).map(|_| operator.entries(place, &mut near));
+                let is_alike =
+                    matches!(entries, Some(Entries::Lines(lines, _)) if is_alike(place, lines));
+                bits << 1 | u64::from(is_alike)
+            })
+        };
+        let words = (0..count.div_ceil(BITS)).into_par_iter().with_min_len(WORDS_OF_A_TASK);
+        Some(words.map(bits).collect())
+    }
+
+    /// Whether all that the lines of a place go over is of the material and the capacity of what is there, and is
+    /// there.
+    #[inline(always)]
+    fn is_alike(&self, place: usize) -> bool {
+        self.alike.as_ref().is_none_or(|bits| bits[place / BITS] >> (place % BITS) & 1 != 0)
+    }
+
+    /// Bytes that they hold, but for materials and capacities.
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.alike.as_ref().map_or(0, |bits| size_of_val(&**bits))
     }
 
     /// How much the rate of `other` changes for one of `place`, with which it exchanges heat; `None` where it is of
@@ -126,33 +166,6 @@ impl FrontFlows {
         match &self.of {
             Which::Each(materials) if materials[place] != materials[other] => None,
             _ => Some(self.capacities.ratio(place, other)),
-        }
-    }
-}
-
-/// Finds what melts: little as a rule.
-struct Find<'a, F> {
-    front: &'a Front,
-    enthalpies: &'a [f64],
-    found: F,
-}
-
-impl<F: FnMut(usize)> Work for Find<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<const FUSED: bool>(mut self) {
-        let [begins, ends] = self.front.enthalpies();
-        for (k, few) in self.enthalpies.chunks(FEW).enumerate() {
-            // Bits of signs, since a processor puts them together for several at once.
-            let mut any = 0;
-            for enthalpy in few {
-                any |= (begins - enthalpy).to_bits() & (enthalpy - ends).to_bits();
-            }
-            if any >> 63 != 0 {
-                let places = (k * FEW..).zip(few);
-                places.filter(|(_, x)| self.front.is_in(**x)).for_each(|(k, _)| (self.found)(k));
-            }
         }
     }
 }

@@ -5,6 +5,9 @@ use std::ops::Range;
 use crate::model::operator::{take_below, within};
 use crate::solver::cpu::latent::Latent;
 
+/// So many are added together at least, unless it is the last time.
+const MANY: usize = 32;
+
 /// The latent particles that are within reach of some places, and have not been added to their rates.
 #[derive(Debug, Default)]
 pub(in crate::solver::cpu) struct Queue {
@@ -44,7 +47,13 @@ impl Queue {
             false if self.goes_round() => Default::default(),
             false => {
                 let end = seen.saturating_sub(self.reach);
-                [0..0, take_below(latent.places(), &mut self.rest[1], end), 0..0]
+                let last_of_many = latent.places()[self.rest[1].clone()].get(MANY - 1);
+                match last_of_many {
+                    Some(&place) if (place as usize) < end => {
+                        [0..0, take_below(latent.places(), &mut self.rest[1], end), 0..0]
+                    }
+                    _ => Default::default(),
+                }
             }
         };
         next.into_iter().filter(|which| !which.is_empty())

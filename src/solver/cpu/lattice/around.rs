@@ -3,12 +3,15 @@
 use crate::model::lattice::LatticeScene;
 use crate::solver::cpu::entries::{Entries, Lines};
 
-/// The neighbours of sites that are no nearer to an end than the stencil reaches: the same for all.
+/// The neighbours of all sites: the same for those of one kind.
 #[derive(Clone, Debug)]
 pub(in crate::solver::cpu) struct Around {
-    lines: Lines,
-    /// Those sites, along each axis: from the first on, so many.
+    /// By kind.
+    lines: Vec<Lines>,
+    /// The sites that are no nearer to an end than the stencil reaches, along each axis: from the first on, so many.
     inner: [[usize; 2]; 3],
+    /// The kind of these, if there are any.
+    of_inner: usize,
     /// The counts along the first two axes.
     counts: [Divisor; 2],
 }
@@ -19,27 +22,32 @@ impl Around {
             true => [scene.reach, scene.counts[axis].saturating_sub(2 * scene.reach)],
             false => [0, 1],
         });
-        let counts = [0, 1].map(|axis| Divisor::new(scene.counts[axis]));
-        Self { lines: Lines::of(&scene.inner_entries()), inner, counts }
+        let [nx, ny, _] = scene.counts;
+        let lines = |[x, y, z]: [usize; 3]| {
+            let (site, mut entries) = ((z * ny + y) * nx + x, Vec::new());
+            let step = |other: usize| other as isize - site as isize;
+            scene.entries(site, |other, weight| entries.push((step(other), weight)));
+            entries.sort_unstable_by_key(|&(step, _)| step);
+            Lines::of(&entries)
+        };
+        let lines = scene.kinds().map(lines).collect();
+        let of_inner = scene.kind(inner.map(|[first, _]| first));
+        Self { lines, inner, of_inner, counts: [nx, ny].map(Divisor::new) }
     }
 
     /// The neighbours of a site of `scene`, with weights times a factor.
     #[inline(always)]
-    pub(super) fn entries<'a>(
-        &'a self,
-        scene: &'a LatticeScene,
-        site: usize,
-        factor: f64,
-    ) -> Entries<'a> {
+    pub(super) fn entries(&self, scene: &LatticeScene, site: usize, factor: f64) -> Entries<'_> {
         let [nx, ny] = self.counts;
         let line = nx.quotient(site);
         let z = ny.quotient(line);
         let at = [site - line * nx.by, line - z * ny.by, z];
         let is_within = |([first, count], at): ([usize; 2], usize)| at.wrapping_sub(first) < count;
-        match self.inner.into_iter().zip(at).all(is_within) {
-            true => Entries::Lines(&self.lines, factor),
-            false => Entries::Site(scene, site, factor),
-        }
+        let kind = match self.inner.into_iter().zip(at).all(is_within) {
+            true => self.of_inner,
+            false => scene.kind(at),
+        };
+        Entries::Lines(&self.lines[kind], factor)
     }
 }
 

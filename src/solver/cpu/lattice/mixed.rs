@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::around::Around;
-use super::kernel::{Run, Scratch};
+use super::kernel::{Run, Scratch, Seen};
 use crate::model::lattice::{LatticeScene, MixedScene};
-use crate::model::operator::{SomeRows, SourceRows, within};
-use crate::solver::cpu::entries::Entries;
+use crate::model::operator::{SomeRows, SourceRows, seek, within_near};
+use crate::solver::cpu::entries::{Entries, Near};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
@@ -46,7 +46,9 @@ impl Mixed {
         let sites = run.first..run.first + run.length;
         let ratios = &self.scene.ratios;
         let start = |k: usize| ratios.get(k).map_or(usize::MAX, |&(first, _)| first as usize);
-        let mut part = ratios.partition_point(|&(first, _)| first as usize <= sites.start);
+        let seen = &mut scratch.seen.parts;
+        *seen = seek(ratios, *seen, |&(first, _)| first as usize <= sites.start);
+        let mut part = *seen;
         let factor = |part: usize| if part > 0 { ratios[part - 1].1 } else { 1.0 };
         if start(part) >= sites.end {
             let combine = Combine { scale: combine.scale * factor(part), ..combine };
@@ -58,16 +60,27 @@ impl Mixed {
         while from < sites.end {
             let to = start(part).min(sites.end);
             let scale = combine.scale * factor(part);
-            let own = &now.values[from..to];
-            for (out, own) in out[from - sites.start..to - sites.start].iter_mut().zip(own) {
-                *out = combine.share * own + scale * *out;
+            let of_part = &mut out[from - sites.start..to - sites.start];
+            if combine.share != 0.0 {
+                for (out, own) in of_part.iter_mut().zip(&now.values[from..to]) {
+                    *out = combine.share * own + scale * *out;
+                }
+            } else if scale != 1.0 {
+                of_part.iter_mut().for_each(|out| *out *= scale);
             }
             (from, part) = (to, part + 1);
         }
     }
 
     /// Writes what the stencil does not describe at `sites`; returns what held particles gave.
-    fn rest(&self, now: &Now<'_>, sites: &Range<usize>, out: &mut [f64], combine: Combine) -> f64 {
+    fn rest(
+        &self,
+        seen: &mut Seen,
+        now: &Now<'_>,
+        sites: &Range<usize>,
+        out: &mut [f64],
+        combine: Combine,
+    ) -> f64 {
         let near = self.absent_from(sites.start).take_while(|range| range.start < sites.end);
         for range in near.filter(|range| range.len() < GAP) {
             let (from, to) = (range.start.max(sites.start), range.end.min(sites.end));
@@ -77,16 +90,16 @@ impl Mixed {
         let source = now.source.unwrap_or(&[]);
         if !(source.is_empty() && linear.is_empty()) {
             let of_row = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(0.0);
-            for row in within(walls, sites) {
+            for row in within_near(walls, sites, &mut seen.walls) {
                 let site = walls[row] as usize;
                 let rate = of_row(linear, row) * now.values[site] + of_row(source, row);
                 out[site - sites.start] += combine.scale * rate;
             }
         }
-        self.rows.rates(sites, now.values, source, |site, rate| {
+        self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
             out[site - sites.start] = combine.share * now.values[site] + combine.scale * rate;
         });
-        -self.rows.held_rate(sites, now.values)
+        -self.rows.held_rate(sites, &mut seen.held, now.values)
     }
 }
 
@@ -105,13 +118,13 @@ impl LatticeOperator for Mixed {
         self.rows.sources()
     }
 
-    fn entries<'a>(&'a self, around: &'a Around, site: usize) -> Entries<'a> {
-        if let Some((others, weights)) = self.rows.entries_of(site) {
+    fn entries<'a>(&'a self, around: &'a Around, site: usize, near: &mut Near) -> Entries<'a> {
+        if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
             return Entries::Row(others, weights);
         }
         let ratios = &self.scene.ratios;
-        let part = ratios.partition_point(|&(first, _)| first as usize <= site);
-        let factor = if part > 0 { ratios[part - 1].1 } else { 1.0 };
+        near.part = seek(ratios, near.part, |&(first, _)| first as usize <= site);
+        let factor = if near.part > 0 { ratios[near.part - 1].1 } else { 1.0 };
         around.entries(&self.scene.lattice, site, factor)
     }
 
@@ -149,7 +162,7 @@ impl LatticeOperator for Mixed {
                 start += run.length;
             }
         }
-        self.rest(now, &(first..end), out, combine)
+        self.rest(&mut scratch.seen, now, &(first..end), out, combine)
     }
 
     fn has_particle(&self, site: usize) -> bool {

@@ -6,11 +6,12 @@ mod mixed;
 mod uniform;
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
-use super::entries::Entries;
+use super::entries::{Entries, Near};
 use super::operator::{Combine, CpuOperator, Now, RATE};
 use super::partial_step::{self, PartialStep};
 use crate::model::lattice::LatticeScene;
@@ -43,7 +44,7 @@ pub(super) trait LatticeOperator: Send + Sync {
     fn sources(&self) -> &SourceRows;
 
     /// As [`CpuOperator::entries`], where the stencil has what is `around`.
-    fn entries<'a>(&'a self, around: &'a Around, site: usize) -> Entries<'a> {
+    fn entries<'a>(&'a self, around: &'a Around, site: usize, _near: &mut Near) -> Entries<'a> {
         around.entries(self.scene(), site, 1.0)
     }
 
@@ -81,12 +82,13 @@ pub(super) trait LatticeOperator: Send + Sync {
 /// A lattice that is worked on in parts.
 pub(super) struct Lattice<L> {
     of: L,
-    around: Around,
+    /// What is around the sites, for what needs it.
+    around: OnceLock<Around>,
 }
 
 impl<L: LatticeOperator> Lattice<L> {
     pub(super) fn new(of: L) -> Self {
-        Self { around: Around::of(of.scene()), of }
+        Self { of, around: OnceLock::new() }
     }
 
     /// Values of whole lines, or of a part of a line that is long: `most`, or a line at least.
@@ -113,8 +115,9 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         self.of.sources()
     }
 
-    fn entries(&self, place: usize) -> Entries<'_> {
-        self.of.entries(&self.around, place)
+    fn entries(&self, place: usize, near: &mut Near) -> Entries<'_> {
+        let around = self.around.get_or_init(|| Around::of(self.of.scene()));
+        self.of.entries(around, place, near)
     }
 
     fn reach(&self) -> usize {

@@ -9,7 +9,7 @@ use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
-use crate::model::operator::{SourceRows, take_below, within};
+use crate::model::operator::{SourceRows, take_below, within_near};
 use crate::solver::cpu::operator::{Combine, Now, RATE};
 
 /// A scene that fills its lattice.
@@ -90,7 +90,8 @@ impl LatticeOperator for Uniform {
     ) -> f64 {
         let (mut given, mut done) = (0.0, 0);
         let all = first..first + out.len();
-        let (mut held, mut walls) = (within(&self.held, &all), within(self.walls.rank(), &all));
+        let mut held = within_near(&self.held, &all, &mut scratch.seen.held);
+        let mut walls = within_near(self.walls.rank(), &all, &mut scratch.seen.walls);
         while done < out.len() {
             let run = Run::starting(&self.scene, first + done, out.len() - done);
             let out = &mut out[done..done + run.length];

@@ -70,6 +70,19 @@ pub(in crate::solver::cpu) struct Scratch {
     /// P_0, Q_1, Q_2, ... from `reach` before the run on.
     sums: Vec<Vec<f64>>,
     ends: Vec<NearEnd>,
+    /// Where exceptions were looked for last.
+    pub(super) seen: Seen,
+}
+
+/// Where each kind of exception was looked for last: the next are near.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    pub(super) held: usize,
+    pub(super) walls: usize,
+    /// Rows of their own.
+    pub(super) rows: usize,
+    /// Parts of different factors.
+    pub(super) parts: usize,
 }
 
 impl Scratch {
@@ -78,6 +91,7 @@ impl Scratch {
             members: MembersOf::default(),
             sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; scene.reach + 1],
             ends: NearEnd::all(scene),
+            seen: Seen::default(),
         }
     }
 
