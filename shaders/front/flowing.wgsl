@@ -28,15 +28,17 @@ fn own_value(place: u32) -> Value {
     return exactly(real(0.0));
 }
 
-// Whether a sum is wanted of a place, whose mark is `local`; it is 0 where none is.
-fn begin(place: u32, local: u32) -> bool {
+// Whether others see to a place.
+fn is_left_out(local: u32) -> bool {
+    return (atomicLoad(&tiles[local / TILE]) >> (local % TILE) & 1u) != 0u;
+}
+
+// Whether a sum is wanted of a place: 0 comes of it where nothing melts around.
+fn begin(place: u32) -> bool {
     own_front = front_of(place);
     choose_front(place);
     let enthalpy = collapsed(enthalpy_at(place));
     own_melts = is_melting(own_front, enthalpy);
-    if !(own_melts || is_near(local)) {
-        return false;
-    }
     own_excess = front_excess(own_front, enthalpy);
     own_above = above_front(own_front, potential_at(place));
     return true;

@@ -1,7 +1,7 @@
-// Marks the neighbours of what melts: few are, and the others have no flows to a front.
+// Lists the tiles of what melts and of its neighbours: few are, and the others have no flows to a front.
 
 fn value_at(other: u32) -> Value {
-    atomicOr(&near[other], MARKED);
+    append(other / TILE);
     return exactly(real(0.0));
 }
 
@@ -9,7 +9,16 @@ fn own_value(place: u32) -> Value {
     return exactly(real(0.0));
 }
 
-// Whether a sum is wanted of a place, whose mark is `local`.
-fn begin(place: u32, local: u32) -> bool {
-    return is_melting(front_of(place), collapsed(enthalpy_at(place)));
+// Whether others see to a place: its neighbours are among those of the stencil.
+fn is_left_out(local: u32) -> bool {
+    return false;
+}
+
+// Whether a sum is wanted of a place.
+fn begin(place: u32) -> bool {
+    if !is_melting(front_of(place), collapsed(enthalpy_at(place))) {
+        return false;
+    }
+    append(place / TILE);
+    return true;
 }

@@ -1,4 +1,4 @@
-// The state is in parts, as in `lattice/split`. Nothing is marked, since marks would have to be in all of them.
+// The state is in parts, as in `lattice/split`.
 
 fn potential_at(site: u32) -> Value {
     if site >= part.first_site && site < part.end_site {
@@ -18,9 +18,4 @@ fn enthalpy_at(site: u32) -> Value {
         return content_below[site - part.below_first];
     }
     return content_above[site - part.above_first];
-}
-
-// Whether a place may have a neighbour that melts.
-fn is_near(local: u32) -> bool {
-    return true;
 }

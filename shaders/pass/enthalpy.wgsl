@@ -12,5 +12,6 @@ fn enthalpy(
         let now = plus(content[i], plus(after[i], -before[i]));
         content[i] = now;
         after[i] = potential_of(i, now);
+        note(i, collapsed(now));
     }
 }

@@ -12,7 +12,7 @@ fn exception_front(
     }
     let site = exception[row].x;
     let local = site - part.first_site;
-    if !begin(site, local) {
+    if !is_near(local) || !begin(site) {
         return;
     }
     let increment = step_size.over_reference * row_sum(row, site, own_value(site));

@@ -1,4 +1,4 @@
-// What fronts change of a step of the rows of a chunk.
+// What fronts change of a step of the rows of a chunk, or the tiles where they may.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn front(
@@ -6,8 +6,12 @@ fn front(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let row = chunk.first_row + flat_index(group, groups, lane);
-    if row >= chunk.end_row || !begin(row, row) {
+    let row = front_place(flat_index(group, groups, lane));
+    if row < chunk.first_row || row >= chunk.end_row {
+        return;
+    }
+    leave(row);
+    if !begin(row) {
         return;
     }
     let increment = step_size.over_reference * row_sum(row);

@@ -1,4 +1,4 @@
-// What fronts change of a step of a part of a lattice, but for its exceptions.
+// What fronts change of a step of a part of a lattice, but for its exceptions, or the tiles where they may.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn lattice_front(
@@ -6,13 +6,13 @@ fn lattice_front(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let site = part.first_site + flat_index(group, groups, lane);
+    let site = front_place(flat_index(group, groups, lane));
     if site >= part.end_site {
         return;
     }
+    leave(site);
     let local = site - part.first_site;
-    let is_exception = (atomicLoad(&near[local]) & EXCEPTION) != 0u;
-    if is_exception || !begin(site, local) {
+    if is_left_out(local) || !begin(site) {
         return;
     }
     let sum = site_sum(site, own_value(site));

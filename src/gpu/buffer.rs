@@ -45,6 +45,11 @@ impl Device {
         Ok(buffer)
     }
 
+    /// A buffer that passes write and others take their workgroups from: along x, y and z.
+    pub fn workgroups(&self, name: &str) -> Result<Buffer, GpuError> {
+        self.buffer(name, 12, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT)
+    }
+
     /// A parameter block with these contents (a multiple of 4 bytes).
     pub fn block(&self, name: &str, contents: &[u8]) -> Result<Buffer, GpuError> {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;

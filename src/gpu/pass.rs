@@ -17,17 +17,36 @@ pub(super) struct Pipeline {
 pub struct Pass {
     pipeline: Arc<Pipeline>,
     buffers: wgpu::BindGroup,
-    workgroups: [u32; 2],
+    workgroups: Workgroups,
+}
+
+/// How many workgroups a pass has.
+#[derive(Clone, Debug)]
+enum Workgroups {
+    /// So many along x and y.
+    Known([u32; 2]),
+    /// What the device has written here.
+    OnDevice(wgpu::Buffer),
 }
 
 impl Pass {
     pub(super) fn record(&self, compute: &mut wgpu::ComputePass<'_>) {
-        let [x, y] = self.workgroups;
-        if x > 0 {
-            compute.set_pipeline(&self.pipeline.pipeline);
-            compute.set_bind_group(0, &self.buffers, &[]);
-            compute.dispatch_workgroups(x, y, 1);
+        if matches!(self.workgroups, Workgroups::Known([0, _])) {
+            return;
         }
+        compute.set_pipeline(&self.pipeline.pipeline);
+        compute.set_bind_group(0, &self.buffers, &[]);
+        match &self.workgroups {
+            Workgroups::Known([x, y]) => compute.dispatch_workgroups(*x, *y, 1),
+            Workgroups::OnDevice(buffer) => compute.dispatch_workgroups_indirect(buffer, 0),
+        }
+    }
+
+    /// The same with the workgroups that another pass has written to `buffer`, from
+    /// [`Device::workgroups`].
+    #[must_use]
+    pub fn with_workgroups(self, buffer: &Buffer) -> Self {
+        Self { workgroups: Workgroups::OnDevice(buffer.inner.clone()), ..self }
     }
 }
 
@@ -64,7 +83,8 @@ impl Device {
         })?;
         let workgroups = threads.div_ceil(u64::from(source.workgroup_size));
         let most = self.raw().limits().max_compute_workgroups_per_dimension;
-        Ok(Pass { pipeline, buffers, workgroups: fold(workgroups, most) })
+        let workgroups = Workgroups::Known(fold(workgroups, most));
+        Ok(Pass { pipeline, buffers, workgroups })
     }
 
     /// The pipeline of `source`, compiled once a source.

@@ -198,7 +198,7 @@ impl Choices {
         source
     }
 
-    /// What fronts change of a step of the rows of a chunk, or the marks of the rows that they may change; `each`
+    /// What fronts change of a step of the rows of a chunk, or the tiles where they may; `each`
     /// where places melt as their material does.
     pub fn front(&self, each: bool, makes: FrontMakes) -> PassSource {
         let mut source = Self { walls: WallTerms::None, ..*self }.on_rows("front");
@@ -233,9 +233,9 @@ impl Choices {
             self.combine(),
             self.list_given(),
             self.diagonal(),
-            self.front(false, FrontMakes::Marks),
+            self.front(false, FrontMakes::Near),
             self.front(false, FrontMakes::Flows),
-            self.front(true, FrontMakes::Marks),
+            self.front(true, FrontMakes::Near),
             self.front(true, FrontMakes::Flows),
             self.probe(),
         ]

@@ -1,5 +1,6 @@
 //! The passes of scenes whose state is an enthalpy.
 
+use super::fronts::NOT_NOTED;
 use super::passes::{COMBINATION, NO_SLOT, STEP_SIZE, arithmetic, block, read, value, write};
 use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
@@ -33,10 +34,10 @@ impl CurvePasses {
     /// Adds to enthalpies what a step has added to potentials, and writes the potentials that come of it.
     pub fn enthalpy(self) -> PassSource {
         let value = value(self.precision);
-        self.on_curve(
-            "enthalpy",
-            &[read("before", value), write("after", value), write("content", value)],
-        )
+        let states = [read("before", value), write("after", value), write("content", value)];
+        let mut source = self.on_curve("enthalpy", &states);
+        source.slots.push(NOT_NOTED.to_owned());
+        source
     }
 
     /// By how much potentials change with a change of the state.
@@ -51,7 +52,14 @@ impl CurvePasses {
 
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
-        vec![self.enthalpy(), self.potential_change(), self.slope_root()]
+        vec![
+            self.enthalpy(),
+            self.noted_enthalpy(),
+            self.find_fronts(),
+            self.front_size(),
+            self.potential_change(),
+            self.slope_root(),
+        ]
     }
 
     fn changed(self, pass: &'static str) -> PassSource {

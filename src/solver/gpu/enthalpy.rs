@@ -1,6 +1,7 @@
 //! Enthalpy on the device, and the potentials that come of it.
 
 use super::curve_passes::CurvePasses;
+use super::fronts::DeviceFronts;
 use crate::gpu::{Buffer, Device, GpuError, Pass};
 use crate::model::material::Segment;
 use crate::model::{Conductivity, HeatCurve, Material, Problem};
@@ -118,22 +119,45 @@ impl Enthalpy {
         &self.curve
     }
 
-    /// The passes that follow a step of potentials from `before` to `after`.
+    /// The passes that follow a step of potentials from `before` to `after`; they list what melts for `fronts`.
     pub(super) fn passes(
         &self,
         device: &Device,
         step_size: &Buffer,
         before: &[Buffer],
         after: &[Buffer],
+        fronts: Option<&DeviceFronts>,
     ) -> Result<Vec<Pass>, GpuError> {
-        let source = self.passes.enthalpy();
+        let noted = fronts.and_then(DeviceFronts::noted);
+        let source = match noted {
+            Some(_) => self.passes.noted_enthalpy(),
+            None => self.passes.enthalpy(),
+        };
         let of_part = |((content, before), after): ((&Buffer, &Buffer), &Buffer)| {
             let mut buffers = vec![step_size];
             buffers.extend(&self.curve);
             buffers.extend([before, after, content]);
+            buffers.extend(noted.into_iter().flatten());
             device.pass(&source, &buffers, after.bytes() / self.passes.precision.state_bytes())
         };
         self.parts.iter().zip(before).zip(after).map(of_part).collect()
+    }
+
+    /// The pass that lists what melts, where there are lists.
+    pub(super) fn find_fronts(
+        &self,
+        device: &Device,
+        step_size: &Buffer,
+        fronts: &DeviceFronts,
+    ) -> Result<Option<Pass>, GpuError> {
+        let (Some([tiles, table, melting]), [content]) = (fronts.noted(), &self.parts[..]) else {
+            return Ok(None);
+        };
+        let mut buffers = vec![step_size, content, tiles, table];
+        buffers.extend(self.curve.get(1).filter(|_| fronts.each));
+        buffers.push(melting);
+        let count = content.bytes() / self.passes.precision.state_bytes();
+        device.pass(&self.passes.find_fronts(), &buffers, count).map(Some)
     }
 
     /// Bytes on the device.

@@ -37,6 +37,7 @@ use crate::model::{Material, Problem};
 use curve_passes::SeamPasses;
 use enthalpy::Curves;
 use fronts::DeviceFronts;
+pub use fronts::TILE;
 use lattice::{Beside, Lattice};
 use list::List;
 use operator::Operator;

@@ -140,13 +140,18 @@ impl Operator {
         };
         let mut passes = Vec::new();
         for &makes in FrontMakes::of(false) {
+            passes.extend(front.fronts.size(device, front.enthalpy.sources(), makes)?);
             let source = choices.front(front.fronts.each, makes);
             for (count, of_sums) in &rows {
                 let mut buffers = of_sums.clone();
                 buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
                 buffers.extend(fields.exchange);
-                buffers.extend(front.buffers(0, None));
-                passes.push(device.pass(&source, &buffers, *count)?);
+                buffers.extend(front.buffers(makes, 0, None));
+                let pass = device.pass(&source, &buffers, *count)?;
+                passes.push(match front.fronts.workgroups(makes) {
+                    Some(workgroups) => pass.with_workgroups(workgroups),
+                    None => pass,
+                });
             }
         }
         Ok(passes)

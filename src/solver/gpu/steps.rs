@@ -39,6 +39,8 @@ pub(super) struct Steps {
     seams: Option<DeviceSeams>,
     /// Where something melts at one temperature.
     fronts: Option<DeviceFronts>,
+    /// Lists what melts, since others than steps may have changed the state.
+    find_fronts: Option<Pass>,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -109,6 +111,7 @@ impl Steps {
                     &step_size,
                     &state[from],
                     &state[1 - from],
+                    fronts.as_ref(),
                 )?);
             }
             Ok::<_, GpuError>(passes)
@@ -131,6 +134,10 @@ impl Steps {
         };
         let still = parts.map(of_part).collect::<Result<_, _>>()?;
         let step = [step_from(0)?, step_from(1)?];
+        let find_fronts = match (&enthalpy, &fronts) {
+            (Some(enthalpy), Some(fronts)) => enthalpy.find_fronts(device, &step_size, fronts)?,
+            _ => None,
+        };
         Ok(Self {
             precision,
             finite: [finite_of(0)?, finite_of(1)?],
@@ -142,6 +149,7 @@ impl Steps {
             enthalpy,
             seams,
             fronts,
+            find_fronts,
             exchange,
             walls,
             step_size,
@@ -164,6 +172,9 @@ impl Steps {
             let contents = STEP_SIZE.contents(self.precision.real(), [0], [over_reference]);
             device.write(&self.step_size, &contents)?;
             self.over_reference = Some(over_reference);
+        }
+        if let Some(find) = &self.find_fronts {
+            device.submit([find])?;
         }
         let mut remaining = count;
         while remaining > 0 {

@@ -210,10 +210,10 @@ impl Plan {
         // An enthalpy, and the copy of it that a run falls back to; which curve each follows, where they differ.
         let of_enthalpy = if problem.has_curves() { 2 * state } else { 0 };
         let of_curves = if problem.has_one_curve() { 0 } else { 4 };
-        // On a GPU a mark, where fronts may come by.
-        let is_marked = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();
-        let of_fronts = if is_marked { 4 } else { 0 };
-        let enthalpy = particles * (of_enthalpy + of_curves + of_fronts);
+        // On a GPU a word of every tile, and two lists of tiles, where fronts may come by.
+        let has_tiles = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();
+        let of_fronts = if has_tiles { 3 * 4 * particles.div_ceil(gpu::TILE as u64) } else { 0 };
+        let enthalpy = particles * (of_enthalpy + of_curves) + of_fronts;
         of_operator + enthalpy + self.bytes_of_sources(problem)
     }
 

@@ -12,7 +12,7 @@ use super::GpuOptions;
 use super::fronts::{FrontFields, FrontMakes};
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
-use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource, Real};
+use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
 use crate::model::lattice::{Edge, End, LatticeScene, MixedScene};
 use crate::model::operator::{FoldNeeds, SomeRows, SourceRows};
 use crate::solver::Precision;
@@ -143,7 +143,15 @@ impl Lattice {
         makes: Makes,
         fields: &Fields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
-        self.passes_with(device, makes, fields, |sites| self.source.pass(sites, makes), None)
+        let mut passes = Vec::new();
+        for &sites in self.source.sites_of(makes) {
+            let source = self.source.pass(sites, makes);
+            for (k, threads) in self.threads(sites) {
+                let buffers = self.buffers(k, sites, makes, fields);
+                passes.push(device.pass(&source, &buffers, threads)?);
+            }
+        }
+        Ok(passes)
     }
 
     /// The passes that change of an explicit Euler step what fronts do, in order.
@@ -156,35 +164,35 @@ impl Lattice {
         let fields = Fields { walls: None, ..*fields };
         let mut passes = Vec::new();
         for &makes in FrontMakes::of(self.source.is_split) {
-            let source = |sites| self.source.front(sites, makes);
-            passes.extend(self.passes_with(device, Makes::Step, &fields, source, Some(front))?);
-        }
-        Ok(passes)
-    }
-
-    /// The passes of `source` of all parts, which have the buffers of what `makes` and those of fronts.
-    fn passes_with(
-        &self,
-        device: &Device,
-        makes: Makes,
-        fields: &Fields<'_>,
-        source: impl Fn(Sites) -> PassSource,
-        front: Option<&FrontFields<'_>>,
-    ) -> Result<Vec<Pass>, GpuError> {
-        let mut passes = Vec::new();
-        for &sites in self.source.sites_of(makes) {
-            let source = source(sites);
-            for (k, part) in self.parts.iter().enumerate() {
-                let threads = part.threads(sites);
-                if threads > 0 {
-                    let mut buffers = self.buffers(k, sites, makes, fields);
-                    let beside = self.source.is_split.then_some(part.beside);
-                    buffers.extend(front.iter().flat_map(|front| front.buffers(k, beside)));
-                    passes.push(device.pass(&source, &buffers, threads as u64)?);
+            passes.extend(front.fronts.size(device, front.enthalpy.sources(), makes)?);
+            // Exceptions without rows of their own have the neighbours of the stencil. They come first, since the others
+            // take tiles off their list.
+            let has_exceptions = makes == FrontMakes::Flows || self.source.rows;
+            let exceptions = has_exceptions.then_some(Sites::Exceptions);
+            for sites in exceptions.into_iter().chain([Sites::All]) {
+                let source = self.source.front(sites, makes);
+                for (k, threads) in self.threads(sites) {
+                    let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
+                    let beside = self.source.is_split.then_some(self.parts[k].beside);
+                    buffers.extend(front.buffers(makes, k, beside));
+                    let pass = device.pass(&source, &buffers, threads)?;
+                    passes.push(match front.fronts.workgroups(makes) {
+                        Some(workgroups) if sites == Sites::All => pass.with_workgroups(workgroups),
+                        _ => pass,
+                    });
                 }
             }
         }
         Ok(passes)
+    }
+
+    /// The parts with such sites, and how many they have.
+    fn threads(&self, sites: Sites) -> impl Iterator<Item = (usize, u64)> {
+        let of_part = move |part: &Part| match sites {
+            Sites::All => part.sites.len() as u64,
+            Sites::Exceptions => part.exceptions.len() as u64,
+        };
+        self.parts.iter().map(of_part).enumerate().filter(|(_, threads)| *threads > 0)
     }
 
     /// The sites where more than the stencil acts, ascending.
@@ -239,14 +247,6 @@ impl Lattice {
 }
 
 impl Part {
-    /// How many of its sites a pass works on.
-    fn threads(&self, sites: Sites) -> usize {
-        match sites {
-            Sites::All => self.sites.len(),
-            Sites::Exceptions => self.exceptions.len(),
-        }
-    }
-
     /// Part `k` of `parts`.
     fn new(
         device: &Device,

@@ -155,7 +155,7 @@ impl StencilSource {
         }
     }
 
-    /// What fronts change of a step of some sites of a part, or the marks of those that they may change.
+    /// What fronts change of a step of some sites of a part, or the tiles where they may.
     pub(super) fn front(&self, sites: Sites, makes: FrontMakes) -> PassSource {
         let free_of_walls = Self { walls: WallTerms::None, ..self.clone() };
         let mut source = free_of_walls.pass(sites, Makes::Step);

@@ -154,7 +154,13 @@ impl Operations<'_> {
             let mut passes: Vec<Pass> = sums.collect::<Result<_, _>>()?;
             if let Some(enthalpy) = steps.enthalpy() {
                 let (before, after) = (steps.state(), steps.next());
-                passes.extend(enthalpy.passes(self.device, steps.step_size(), before, after)?);
+                passes.extend(enthalpy.passes(
+                    self.device,
+                    steps.step_size(),
+                    before,
+                    after,
+                    None,
+                )?);
             }
             for given in held.into_iter().chain(walls) {
                 passes.push(given?);

@@ -1,0 +1,5 @@
+// Any place may have a neighbour that melts.
+
+fn is_near(local: u32) -> bool {
+    return true;
+}
