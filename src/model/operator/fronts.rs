@@ -71,12 +71,6 @@ impl Front {
         is_sharp.then(|| Self { begins, ends, potential: curve.potential(begins) })
     }
 
-    /// Enthalpies between which a particle melts, K.
-    #[inline]
-    pub fn enthalpies(&self) -> [f64; 2] {
-        [self.begins, self.ends]
-    }
-
     /// Whether a particle of this enthalpy (K) melts.
     #[inline]
     pub fn is_in(&self, enthalpy: f64) -> bool {

@@ -131,7 +131,7 @@ impl Step {
     }
 
     /// Writes those after the step that do not begin to melt or to freeze; calls `leaves` with the others and their
-    /// rates. Rarely needed: beside what is, it would keep that from staying in registers.
+    /// rates. Rarely needed but for what is left over: beside the others, it would keep them from staying in registers.
     #[cold]
     #[inline(never)]
     fn some(self, now: &[f64], out: &mut [f64], leaves: &mut dyn FnMut(usize, f64)) {

@@ -61,7 +61,8 @@ pub(super) trait CpuOperator: Send + Sync {
     /// The rows that walls act on.
     fn sources(&self) -> &SourceRows;
 
-    /// The neighbours of the particle in a place, which is not held; looked up from `near` on.
+    /// The neighbours of the particle in a place, looked up from `near` on. Of a held particle, or where there is
+    /// none, they mean nothing.
     fn entries(&self, place: usize, near: &mut Near) -> Entries<'_>;
 
     /// How many places a neighbour is away at most, round the ends of periodic axes.
