@@ -160,3 +160,29 @@ fn auto_takes_a_gpu_where_several_materials_melt() {
     let (report, _) = run_on(&scene, &on_gpu(Precision::F64), PathWish::Auto);
     assert_eq!((report.path, report.backend), ("list".into(), "gpu".into()));
 }
+
+#[test]
+fn steps_of_potentials_do_what_steps_of_enthalpies_do() {
+    let temperatures_with = |left: &Value, path| {
+        let mut case = bars(&melting(), "euler");
+        case["materials"]["left"]["conductivity"] = left.clone();
+        case["initial"] = json!([{ "value": "300 + 300*step(0.4-x)" }]);
+        case["time"] = json!({ "end": 10, "method": "euler" });
+        let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
+        let (report, values) = temperatures(&scene, &Machine::Cpu, path);
+        let drift = report.conserved.relative_drift.abs();
+        assert!(drift < 1e-12, "{path:?}: {drift:e}");
+        assert!(report.front.expect("it melts").liquid_volume > 1e-3, "{:?}", report.front);
+        values
+    };
+    // A conductivity that changes has no potentials that tell enthalpies.
+    let table = json!([[300, 3], [400, 3.0 + 1e-9]]);
+    for path in [PathWish::List, PathWish::Lattice] {
+        let by_potentials = temperatures_with(&json!(3), path);
+        let by_enthalpies = temperatures_with(&table, path);
+        let off = furthest(&by_potentials, &by_enthalpies);
+        assert!(off < 1e-5, "{path:?}: {off:e}");
+        let other = furthest(&by_potentials, &temperatures_with(&json!(3.1), path));
+        assert!(other > 0.1, "another conductivity is noticed: {other:e}");
+    }
+}

@@ -26,9 +26,23 @@ impl PairMean {
     /// that what one particle loses the other gains to the last bit; the harmonic form neither
     /// overflows nor underflows where the product D_a D_b would.
     pub fn of(self, diffusivity_a: f64, diffusivity_b: f64) -> f64 {
+        self.of_terms(self.term(diffusivity_a), self.term(diffusivity_b))
+    }
+
+    /// What [`Self::of_terms`] needs of one diffusivity: where it is in many pairs, it is divided by once.
+    pub fn term(self, diffusivity: f64) -> f64 {
         match self {
-            Self::Harmonic => 4.0 / (1.0 / diffusivity_a + 1.0 / diffusivity_b),
-            Self::Arithmetic => diffusivity_a + diffusivity_b,
+            Self::Harmonic => 1.0 / diffusivity,
+            Self::Arithmetic => diffusivity,
+        }
+    }
+
+    /// As [`Self::of`], of the terms of two diffusivities.
+    #[inline]
+    pub fn of_terms(self, term_a: f64, term_b: f64) -> f64 {
+        match self {
+            Self::Harmonic => 4.0 / (term_a + term_b),
+            Self::Arithmetic => term_a + term_b,
         }
     }
 }

@@ -25,10 +25,16 @@ const ROWS_OF_A_TASK: usize = 1 << 9;
 pub struct Seams {
     pair_mean: PairMean,
     materials: Vec<Material>,
-    /// By place, ascending.
+    /// By material, and then by that of a neighbour: one over the mean of the reference conductivities.
+    over_mean: Vec<f64>,
+    /// Ascending.
+    places: Vec<u32>,
+    /// By place.
     rows: Vec<SeamRow>,
-    /// In the order of their rows.
-    pairs: Vec<SeamPair>,
+    /// The rows of their neighbours, one row after the other.
+    neighbors: Vec<u32>,
+    /// The weights of the pairs, 1/s.
+    weights: Vec<f64>,
 }
 
 /// A particle that has neighbours of other materials.
@@ -44,22 +50,24 @@ pub struct Seam {
 
 #[derive(Clone, Copy, Debug)]
 struct SeamRow {
-    place: u32,
     material: u16,
     /// Capacity where the particle is held, else none.
     held: Option<f64>,
+    /// Where its pairs end.
     end: u32,
 }
 
-/// One of these neighbours.
-#[derive(Clone, Copy, Debug)]
-struct SeamPair {
-    /// Its row.
-    row: u32,
-    /// 1/s
-    weight: f64,
-    /// The weight over the mean of the reference conductivities.
-    over_mean: f64,
+/// What the particle of a row is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Local {
+    /// K
+    pub temperature: f64,
+    /// K
+    pub potential: f64,
+    /// What [`PairMean`] needs of its conductivity, W/(m K).
+    pub term: f64,
+    /// Its material.
+    pub material: u16,
 }
 
 impl Seams {
@@ -107,52 +115,100 @@ impl Seams {
         found.par_sort_unstable_by_key(|&(a, _)| place[a]);
         let mut row_of = HashMap::with_capacity(found.len());
         row_of.extend((0..).zip(&found).map(|(row, &(a, _))| (a, row)));
-        let (mut rows, mut pairs) = (Vec::with_capacity(found.len()), Vec::new());
-        for (a, neighbors) in &found {
-            pairs.extend(neighbors.iter().map(|&(b, weight)| {
-                let of = [*a, b].map(|p| problem.materials[usize::from(material(p))].conductivity);
-                // What does not conduct at all has no weight.
-                let mean = problem.pair_mean.of(of[0], of[1]);
-                let over_mean = if weight == 0.0 { 0.0 } else { weight / mean };
-                SeamPair { row: row_of[&b], weight, over_mean }
-            }));
+        let places = found.iter().map(|&(a, _)| place[a]).collect();
+        let mut rows = Vec::with_capacity(found.len());
+        let (mut neighbors, mut weights) = (Vec::new(), Vec::new());
+        for (a, pairs) in &found {
+            neighbors.extend(pairs.iter().map(|(b, _)| row_of[b]));
+            weights.extend(pairs.iter().map(|&(_, weight)| weight));
             let held = problem.is_held(*a).then(|| problem.capacity(*a));
-            let end = pairs.len() as u32;
-            rows.push(SeamRow { place: place[*a], material: material(*a), held, end });
+            rows.push(SeamRow { material: material(*a), held, end: neighbors.len() as u32 });
         }
         let (pair_mean, materials) = (problem.pair_mean, problem.materials.clone());
-        (!rows.is_empty()).then_some(Self { pair_mean, materials, rows, pairs })
-    }
-
-    /// What the rates of its rows are short of, where `state` has the enthalpy of each place.
-    pub fn rates(&self, state: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
-        let local = |row: &SeamRow| self.at(row.material, state(row.place as usize));
-        let rows = self.rows.par_iter().with_min_len(ROWS_OF_A_TASK);
-        let locals: Vec<Local> = rows.map(local).collect();
-        let rate = |row: usize| {
-            let own = &locals[row];
-            let short = |pair: &SeamPair| {
-                let other = &locals[pair.row as usize];
-                let mean = self.pair_mean.of(own.conductivity, other.conductivity);
-                pair.over_mean * mean * (other.temperature - own.temperature)
-                    - pair.weight * (other.potential - own.potential)
-            };
-            self.pairs[self.pairs_of(row)].iter().map(short).sum::<f64>()
+        let over_mean = |a: &Material, b: &Material| {
+            // What does not conduct at all has no weight.
+            let mean = pair_mean.of(a.conductivity, b.conductivity);
+            if mean > 0.0 { 1.0 / mean } else { 0.0 }
         };
-        (0..self.rows.len()).into_par_iter().with_min_len(ROWS_OF_A_TASK).map(rate).collect()
+        let of_pairs = |a: &Material| materials.iter().map(|b| over_mean(a, b)).collect::<Vec<_>>();
+        let over_mean = materials.iter().flat_map(of_pairs).collect();
+        (!rows.is_empty()).then_some(Self {
+            pair_mean,
+            materials,
+            over_mean,
+            places,
+            rows,
+            neighbors,
+            weights,
+        })
     }
 
-    /// Adds `factor` times what rates of rows are short of, `of_rows`, to those of places from `first` on, but not
-    /// for held particles; returns `factor` times what these gave beyond what the matrix knows,
-    /// value x capacity / s.
-    pub fn add(&self, of_rows: &[f64], factor: f64, first: usize, rates: &mut [f64]) -> f64 {
-        let row_at = |place: usize| self.rows.partition_point(|row| (row.place as usize) < place);
+    /// The places of its rows, ascending.
+    pub fn places(&self) -> &[u32] {
+        &self.places
+    }
+
+    /// The material of a row.
+    pub fn material(&self, row: usize) -> usize {
+        usize::from(self.rows[row].material)
+    }
+
+    /// What the particle of a row is like with an enthalpy (K).
+    pub fn local(&self, row: usize, enthalpy: f64) -> Local {
+        let material = &self.materials[self.material(row)];
+        let plain = || [enthalpy, enthalpy, material.conductivity];
+        let [temperature, potential, conductivity] =
+            material.curve.as_ref().map_or_else(plain, |curve| curve.state(enthalpy));
+        self.local_of(row, [temperature, potential, conductivity])
+    }
+
+    /// The same with a temperature (K), a potential (K) and a conductivity (W/(m K)).
+    pub fn local_of(&self, row: usize, [temperature, potential, conductivity]: [f64; 3]) -> Local {
+        let (term, material) = (self.pair_mean.term(conductivity), self.rows[row].material);
+        Local { temperature, potential, term, material }
+    }
+
+    /// What all of them are like, where `state` has the enthalpy of each place.
+    pub fn locals(&self, state: impl Fn(usize) -> f64 + Sync) -> Vec<Local> {
+        let local = |(row, &place): (usize, &u32)| self.local(row, state(place as usize));
+        let places = self.places.par_iter().with_min_len(ROWS_OF_A_TASK);
+        places.enumerate().map(local).collect()
+    }
+
+    /// What the rate of a row is short of, where its neighbours are like `locals`, 1/s x K.
+    #[inline]
+    pub fn rate(&self, row: usize, locals: &[Local]) -> f64 {
+        let own = &locals[row];
+        let over_mean = &self.over_mean[usize::from(own.material) * self.materials.len()..];
+        let short = |(&other, weight): (&u32, &f64)| {
+            let other = &locals[other as usize];
+            let mean = self.pair_mean.of_terms(own.term, other.term);
+            let by_heat = over_mean[usize::from(other.material)] * mean;
+            weight
+                * (by_heat * (other.temperature - own.temperature)
+                    - (other.potential - own.potential))
+        };
+        let pairs = self.pairs_of(row);
+        self.neighbors[pairs.clone()].iter().zip(&self.weights[pairs]).map(short).sum()
+    }
+
+    /// Adds `factor` times what rates of some rows are short of, where their neighbours are like `locals`, to those of
+    /// places from `first` on, but not for held particles; returns `factor` times what these gave beyond what the
+    /// matrix knows, value x capacity / s.
+    pub fn add(
+        &self,
+        rows: Range<usize>,
+        locals: &[Local],
+        factor: f64,
+        first: usize,
+        rates: &mut [f64],
+    ) -> f64 {
         let mut given = 0.0;
-        let rows = row_at(first)..row_at(first + rates.len());
-        for (row, rate) in self.rows[rows.clone()].iter().zip(&of_rows[rows]) {
-            match row.held {
-                Some(capacity) => given -= capacity * factor * rate,
-                None => rates[row.place as usize - first] += factor * rate,
+        for row in rows {
+            let rate = factor * self.rate(row, locals);
+            match self.rows[row].held {
+                Some(capacity) => given -= capacity * rate,
+                None => rates[self.places[row] as usize - first] += rate,
             }
         }
         given
@@ -161,13 +217,17 @@ impl Seams {
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = Seam> + '_ {
         (0..self.rows.len()).map(|row| {
-            let SeamRow { place, material, .. } = self.rows[row];
-            let pair = |pair: &SeamPair| {
-                let other = &self.rows[pair.row as usize];
-                (other.place, other.material, pair.weight)
+            let pair = |(&other, &weight): (&u32, &f64)| {
+                let other = other as usize;
+                (self.places[other], self.rows[other].material, weight)
             };
-            let pairs = self.pairs[self.pairs_of(row)].iter().map(pair).collect();
-            Seam { place, material, pairs }
+            let pairs = self.pairs_of(row);
+            let pairs = self.neighbors[pairs.clone()].iter().zip(&self.weights[pairs]);
+            Seam {
+                place: self.places[row],
+                material: self.rows[row].material,
+                pairs: pairs.map(pair).collect(),
+            }
         })
     }
 
@@ -176,23 +236,12 @@ impl Seams {
         first as usize..self.rows[row].end as usize
     }
 
-    fn at(&self, material: u16, enthalpy: f64) -> Local {
-        let material = &self.materials[usize::from(material)];
-        let plain = || [enthalpy, enthalpy, material.conductivity];
-        let [temperature, potential, conductivity] =
-            material.curve.as_ref().map_or_else(plain, |curve| curve.state(enthalpy));
-        Local { temperature, potential, conductivity }
-    }
-
     /// Bytes that they hold.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.rows) + size_of_val(&*self.pairs)
+        let pairs = size_of_val(&*self.neighbors) + size_of_val(&*self.weights);
+        size_of_val(&*self.places)
+            + size_of_val(&*self.rows)
+            + size_of_val(&*self.over_mean)
+            + pairs
     }
-}
-
-/// What a particle is like.
-struct Local {
-    temperature: f64,
-    potential: f64,
-    conductivity: f64,
 }

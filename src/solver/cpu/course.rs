@@ -7,38 +7,69 @@
 
 use std::sync::Arc;
 
-use crate::model::HeatCurve;
+use crate::model::material::Segment;
 use crate::model::wide::{Work, choose, multiply_add};
+use crate::model::{HeatCurve, Material};
 
 /// Values that are worked on together, in registers.
 const FEW: usize = 16;
 
-/// The potential of a material that melts at one temperature, as its enthalpy changes.
+/// The potential of a material that melts at one temperature or not at all, as its enthalpy changes.
 pub(super) struct Course {
-    /// d psi / d theta of a solid and of a liquid.
-    slopes: [f64; 2],
+    /// Of a solid and of a liquid.
+    phases: [Phase; 2],
     /// Enthalpies between which it melts, K.
     begins: f64,
     ends: f64,
     /// The potential there, K: what is above it is liquid.
     melts: f64,
-    curve: Arc<HeatCurve>,
+    /// None where enthalpy, temperature and potential are one.
+    curve: Option<Arc<HeatCurve>>,
+}
+
+/// A phase of constant properties.
+#[derive(Clone, Copy)]
+struct Phase {
+    /// d psi / d theta.
+    slope: f64,
+    /// d T / d psi.
+    warming: f64,
+    /// Potential and temperature of one of its states, K.
+    potential: f64,
+    temperature: f64,
+    /// W/(m K)
+    conductivity: f64,
 }
 
 impl Course {
-    /// That of a material with `curve`, if both conductivities are constant and it melts at one temperature.
-    pub(super) fn of(curve: &Arc<HeatCurve>) -> Option<Self> {
+    /// That of a material, if its conductivity is constant in each phase and it melts, if it does, at one temperature.
+    pub(super) fn of(material: &Material) -> Option<Self> {
+        let Some(curve) = &material.curve else {
+            let conductivity = material.conductivity;
+            let phase =
+                Phase { slope: 1.0, warming: 1.0, potential: 0.0, temperature: 0.0, conductivity };
+            let never = f64::INFINITY;
+            let (phases, curve) = ([phase, phase], None);
+            return Some(Self { phases, begins: never, ends: never, melts: never, curve });
+        };
         let [solid, flat, liquid] = curve.segments() else {
             return None;
         };
         let is_straight = [solid, flat, liquid].iter().all(|segment| segment.bend == 0.0);
+        let phase = |segment: &Segment| Phase {
+            slope: segment.slope,
+            warming: segment.warming / segment.slope,
+            potential: flat.potential,
+            temperature: flat.temperature,
+            conductivity: curve.conductivity_of(segment)[0],
+        };
         (is_straight && flat.slope == 0.0).then(|| Self {
-            slopes: [solid.slope, liquid.slope],
+            phases: [solid, liquid].map(phase),
             begins: flat.start,
             ends: liquid.start,
             // The sign of a difference to it counts, also to 0.
             melts: flat.potential + 0.0,
-            curve: Arc::clone(curve),
+            curve: Some(Arc::clone(curve)),
         })
     }
 
@@ -51,17 +82,28 @@ impl Course {
 
     /// The potential at an enthalpy; what is solid is not above where it melts.
     pub(super) fn potential(&self, enthalpy: f64) -> f64 {
+        let Some(curve) = &self.curve else {
+            return enthalpy;
+        };
         if self.begins < enthalpy && enthalpy < self.ends {
             return self.melts;
         }
-        let of_curve = self.curve.potential(enthalpy);
+        let of_curve = curve.potential(enthalpy);
         let is_liquid = enthalpy >= self.ends;
         if !is_liquid && of_curve > self.melts { self.melts } else { of_curve }
     }
 
     /// The enthalpy at a potential that tells it.
     pub(super) fn enthalpy(&self, potential: f64) -> f64 {
-        self.curve.enthalpy_of_potential(potential)
+        self.curve.as_ref().map_or(potential, |curve| curve.enthalpy_of_potential(potential))
+    }
+
+    /// T (K), psi (K) and k (W/(m K)) at a potential (K) that tells the enthalpy.
+    #[inline]
+    pub(super) fn state(&self, potential: f64) -> [f64; 3] {
+        let phase = &self.phases[usize::from(potential > self.melts)];
+        let temperature = phase.temperature + phase.warming * (potential - phase.potential);
+        [temperature, potential, phase.conductivity]
     }
 }
 
@@ -85,24 +127,22 @@ impl Work for GoOn<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { course, mut now, mut out, dt, leaving, mut first } = self;
-        let [solid, liquid] = course.slopes;
-        let step = Step { solid: dt * solid, liquid: dt * liquid, melts: course.melts };
+        let [solid, liquid] = course.phases.map(|phase| dt * phase.slope);
+        let step = Step { solid, liquid, melts: course.melts };
+        let mut leaves = |place: usize, rate: f64| leaving.push((place, dt * rate));
         while let Some((these, more)) = now.split_first_chunk::<FEW>() {
             let (rates, rest) = out.split_first_chunk_mut::<FEW>().expect("as many");
-            let (mut next, mut leaves) = ([0.0; FEW], 0);
-            for x in 0..FEW {
-                next[x] = step.one::<FUSED>(these[x], rates[x]);
-                // Bits of signs, since a processor puts them together for several at once.
-                leaves |= step.above(these[x]).to_bits() ^ step.above(next[x]).to_bits();
-            }
-            if leaves >> 63 == 0 {
-                *rates = next;
-            } else {
-                step.some(these, rates, &mut |x, rate| leaving.push((first + x, dt * rate)));
-            }
+            step.few::<FUSED>(these, rates, first, &mut leaves);
             (now, out, first) = (more, rest, first + FEW);
         }
-        step.some(now, out, &mut |x, rate| leaving.push((first + x, dt * rate)));
+        if let Some(last) = now.last() {
+            // What fills up does not change.
+            let (mut these, mut rates) = ([*last; FEW], [0.0; FEW]);
+            these[..now.len()].copy_from_slice(now);
+            rates[..now.len()].copy_from_slice(out);
+            step.few::<FUSED>(&these, &mut rates, first, &mut leaves);
+            out.copy_from_slice(&rates[..now.len()]);
+        }
     }
 }
 
@@ -130,17 +170,45 @@ impl Step {
         multiply_add::<FUSED>(rise, rate, now)
     }
 
-    /// Writes those after the step that do not begin to melt or to freeze; calls `leaves` with the others and their
-    /// rates. Rarely needed but for what is left over: beside the others, it would keep them from staying in registers.
+    /// Takes a few on, from place `first` on, whose rates are in `out`; calls `leaves` with what begins to melt or to
+    /// freeze and its rate.
+    #[inline(always)]
+    fn few<const FUSED: bool>(
+        self,
+        now: &[f64; FEW],
+        out: &mut [f64; FEW],
+        first: usize,
+        leaves: &mut dyn FnMut(usize, f64),
+    ) {
+        let (mut next, mut any) = ([0.0; FEW], 0);
+        for x in 0..FEW {
+            next[x] = self.one::<FUSED>(now[x], out[x]);
+            // Bits of signs, since a processor puts them together for several at once.
+            any |= self.above(now[x]).to_bits() ^ self.above(next[x]).to_bits();
+        }
+        if any >> 63 == 0 {
+            *out = next;
+        } else {
+            self.some(now, out, first, leaves);
+        }
+    }
+
+    /// The same one by one: rarely needed, and beside the others it would keep them from staying in registers.
     #[cold]
     #[inline(never)]
-    fn some(self, now: &[f64], out: &mut [f64], leaves: &mut dyn FnMut(usize, f64)) {
+    fn some(
+        self,
+        now: &[f64; FEW],
+        out: &mut [f64; FEW],
+        first: usize,
+        leaves: &mut dyn FnMut(usize, f64),
+    ) {
         for (x, (&now, out)) in now.iter().zip(out).enumerate() {
             let rate = *out;
             let next = self.one::<false>(now, rate);
             let changes = self.above(now).is_sign_negative() != self.above(next).is_sign_negative();
             if changes {
-                leaves(x, rate);
+                leaves(first + x, rate);
             }
             *out = if changes { now } else { next };
         }
@@ -164,9 +232,13 @@ mod tests {
         }
     }
 
-    fn curve() -> Arc<HeatCurve> {
-        let constant = Conductivity::constant(300.0);
-        Arc::new(HeatCurve::new(&constant, 2.5e6, Some(&melting(400.0))))
+    fn material(solid: &Conductivity, melting: Option<&Melting>) -> Material {
+        Material::thermal("metal", solid, 2.5e6, melting, 1.0)
+    }
+
+    /// Melts at 400 K.
+    fn melts() -> Material {
+        material(&Conductivity::constant(300.0), Some(&melting(400.0)))
     }
 
     fn enthalpies() -> impl Iterator<Item = f64> {
@@ -175,7 +247,7 @@ mod tests {
 
     #[test]
     fn potentials_go_where_their_enthalpies_do() {
-        let course = Course::of(&curve()).expect("a straight curve");
+        let course = Course::of(&melts()).expect("a straight curve");
         let told = |enthalpy: &f64| course.tells(*enthalpy, course.potential(*enthalpy));
         let before: Vec<f64> = enthalpies().filter(told).collect();
         let now: Vec<f64> = before.iter().map(|h| course.potential(*h)).collect();
@@ -201,26 +273,50 @@ mod tests {
 
     #[test]
     fn a_potential_tells_its_enthalpy_unless_it_melts() {
-        let curve = curve();
-        let course = Course::of(&curve).expect("a straight curve");
+        let material = melts();
+        let course = Course::of(&material).expect("a straight curve");
+        let curve = material.curve.expect("it melts");
         for enthalpy in enthalpies() {
             let potential = course.potential(enthalpy);
             let melts = curve.slope(enthalpy) == 0.0;
             assert_eq!(course.tells(enthalpy, potential), !melts, "{enthalpy}");
             if !melts {
                 assert!((course.enthalpy(potential) - enthalpy).abs() < 1e-9, "{enthalpy}");
+                for (own, expected) in course.state(potential).iter().zip(curve.state(enthalpy)) {
+                    assert!((own - expected).abs() < 1e-11 * expected, "{enthalpy}");
+                }
             }
         }
         assert!(!course.tells(500.0, f64::NAN));
     }
 
     #[test]
+    fn what_does_not_melt_goes_on_with_its_rates() {
+        let course = Course::of(&material(&Conductivity::constant(300.0), None)).expect("one");
+        assert!(course.tells(1e9, 1e9) && !course.tells(f64::NAN, f64::NAN));
+        assert_eq!([course.potential(450.0), course.enthalpy(450.0)], [450.0; 2]);
+        assert_eq!(course.state(450.0), [450.0, 450.0, 300.0]);
+        let now: Vec<f64> = enthalpies().take(21).collect();
+        let (mut out, mut leaving) = (vec![4.0; now.len()], Vec::new());
+        let go_on = GoOn {
+            course: &course,
+            now: &now,
+            out: &mut out,
+            dt: 0.5,
+            leaving: &mut leaving,
+            first: 0,
+        };
+        wide::run(go_on);
+        assert!(out.iter().zip(&now).all(|(out, now)| *out == now + 2.0) && leaving.is_empty());
+    }
+
+    #[test]
     fn only_what_melts_at_one_temperature_between_constant_conductivities_has_one() {
         let rising = Conductivity::of_points(vec![[300.0, 300.0], [350.0, 320.0]]);
         let constant = Conductivity::constant(300.0);
+        assert!(Course::of(&material(&rising, None)).is_none());
         for (solid, liquidus) in [(&rising, 400.0), (&rising, 420.0), (&constant, 420.0)] {
-            let curve = HeatCurve::new(solid, 2.5e6, Some(&melting(liquidus)));
-            assert!(Course::of(&Arc::new(curve)).is_none());
+            assert!(Course::of(&material(solid, Some(&melting(liquidus)))).is_none());
         }
     }
 }

@@ -1,20 +1,17 @@
 //! Enthalpy in memory, and the potentials that come of it.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::CHUNK;
-use super::change::Change;
-use super::course::Course;
+use super::curves::Curves;
 use super::fronts::FrontFlows;
 use super::latent::Latent;
 use super::operator::CpuOperator;
 use super::vector::Capacities;
-use crate::model::operator::Seams;
-use crate::model::wide;
-use crate::model::{HeatCurve, Problem};
+use crate::model::Problem;
+use crate::model::operator::{Local, Seams, within};
 
 /// The state of a scene with curves, by place.
 ///
@@ -23,31 +20,29 @@ use crate::model::{HeatCurve, Problem};
 /// anything else reads or changes the state.
 pub(super) struct Enthalpy {
     values: Vec<f64>,
-    /// Those that melt, from the first of Euler's steps on until the state is settled.
-    latent: Option<Latent>,
-    /// Bytes that they took at most.
-    latent_bytes: usize,
+    /// From the first of Euler's steps on until the state is settled.
+    begun: Option<Begun>,
+    /// Bytes that this took at most.
+    begun_bytes: usize,
     scene: HeatScene,
+}
+
+/// What Euler's steps know of a state beside its potentials.
+#[derive(Default)]
+pub(super) struct Begun {
+    /// Those that melt.
+    pub(super) latent: Latent,
+    /// What the particles of seams are like, by their rows, and what they are like after a step.
+    pub(super) at_seams: [Vec<Local>; 2],
 }
 
 /// What does not change of it.
 pub(super) struct HeatScene {
     pub(super) curves: Curves,
-    /// How potentials go on, if they tell enthalpies.
-    pub(super) course: Option<Course>,
     /// Where materials meet.
     pub(super) seams: Option<Seams>,
     /// What flows beside, where something melts at one temperature.
     pub(super) fronts: Option<FrontFlows>,
-}
-
-/// The curves of materials.
-pub(super) struct Curves {
-    /// By place: which one; none where all have the first.
-    of: Option<Arc<[u16]>>,
-    /// The places where another begins.
-    starts: Vec<u32>,
-    curves: Vec<Option<Arc<HeatCurve>>>,
 }
 
 impl Enthalpy {
@@ -67,24 +62,30 @@ impl Enthalpy {
             }
         }
         let seams = Seams::of(problem, &place);
-        let fronts = FrontFlows::new(problem, capacities, curves.of.as_ref(), operator);
+        let fronts = FrontFlows::new(problem, capacities, curves.materials(), operator);
         let values = operator.by_place(&problem.initial);
-        let scene = HeatScene { course: curves.course(), curves, seams, fronts };
-        Self { values, latent: None, latent_bytes: 0, scene }
+        Self { values, begun: None, begun_bytes: 0, scene: HeatScene { curves, seams, fronts } }
     }
 
     /// Begins Euler's steps, unless they have begun: potentials are `now` by the order of `operator`.
     pub(super) fn begin(&mut self, now: &[f64], operator: &dyn CpuOperator) {
-        if self.latent.is_some() {
+        if self.begun.is_some() {
             return;
         }
-        let scene = &self.scene;
-        if scene.course.is_none() && scene.fronts.is_none() {
-            self.latent = Some(Latent::default());
-            return;
+        let latent = self.find_latent(now, operator);
+        let values = &self.values;
+        let locals = |seams: &Seams| seams.locals(|place| values[place]);
+        let locals = self.scene.seams.as_ref().map_or(Vec::new(), locals);
+        self.set_begun(Begun { latent, at_seams: [locals.clone(), locals] });
+    }
+
+    fn find_latent(&self, now: &[f64], operator: &dyn CpuOperator) -> Latent {
+        let HeatScene { curves, fronts, .. } = &self.scene;
+        if curves.courses().is_none() && fronts.is_none() {
+            return Latent::default();
         }
-        let is_latent = |place: usize, value: f64, now: f64| match (&scene.course, &scene.fronts) {
-            (Some(course), _) => !course.tells(value, now),
+        let is_latent = |place: usize, value: f64, now: f64| match (curves.courses(), fronts) {
+            (Some(courses), _) => !courses[curves.which(place)].tells(value, now),
             (None, fronts) => fronts.as_ref().is_some_and(|fronts| fronts.is_latent(place, value)),
         };
         let parts = self.values.par_chunks(CHUNK).zip(now.par_chunks(CHUNK)).enumerate();
@@ -98,20 +99,26 @@ impl Enthalpy {
             latent
         };
         let parts: Vec<Latent> = parts.map(latent).collect();
-        self.set_latent(Latent::of_parts(parts));
+        Latent::of_parts(parts)
     }
 
     /// Finds all enthalpies after Euler's steps, where potentials are `now` by the order of `operator`.
     pub(super) fn settle(&mut self, now: &[f64], operator: &dyn CpuOperator) {
-        let (Some(latent), Some(course)) = (self.latent.take(), &self.scene.course) else {
+        let curves = &self.scene.curves;
+        let (Some(Begun { latent, .. }), Some(courses)) = (self.begun.take(), curves.courses())
+        else {
             return;
         };
-        let parts = self.values.par_chunks_mut(CHUNK).zip(now.par_chunks(CHUNK));
-        parts.for_each(|(values, now)| {
-            for (value, &now) in values.iter_mut().zip(now) {
-                // What has not changed keeps its last digit.
-                if course.potential(*value) != now || !course.tells(*value, now) {
-                    *value = course.enthalpy(now);
+        let parts = self.values.par_chunks_mut(CHUNK).zip(now.par_chunks(CHUNK)).enumerate();
+        parts.for_each(|(k, (values, now))| {
+            let first = k * CHUNK;
+            for (run, which) in curves.runs(first..first + values.len()) {
+                let (course, local) = (&courses[which], run.start - first..run.end - first);
+                for (value, &now) in values[local.clone()].iter_mut().zip(&now[local]) {
+                    // What has not changed keeps its last digit.
+                    if course.potential(*value) != now || !course.tells(*value, now) {
+                        *value = course.enthalpy(now);
+                    }
                 }
             }
         });
@@ -123,14 +130,14 @@ impl Enthalpy {
 
     /// The values, K.
     pub(super) fn values(&self) -> &[f64] {
-        debug_assert!(self.latent.is_none(), "a settled state");
+        debug_assert!(self.begun.is_none(), "a settled state");
         &self.values
     }
 
     /// Takes a state that was settled.
     pub(super) fn restore(&mut self, values: &[f64]) {
         self.values.copy_from_slice(values);
-        self.latent = None;
+        self.begun = None;
     }
 
     /// Adds what the matrix does not know of flows between materials to `rates`; returns what held particles
@@ -152,31 +159,33 @@ impl Enthalpy {
         state: impl Fn(usize) -> f64 + Sync,
         rates: &mut [f64],
     ) -> f64 {
-        let add = |seams: &Seams| seams.add(&seams.rates(state), factor, 0, rates);
-        self.scene.seams.as_ref().map_or(0.0, add)
+        let Some(seams) = &self.scene.seams else {
+            return 0.0;
+        };
+        let locals = seams.locals(state);
+        let add = |(k, rates): (usize, &mut [f64])| {
+            let places = k * CHUNK..k * CHUNK + rates.len();
+            let rows = within(seams.places(), &places);
+            seams.add(rows, &locals, factor, places.start, rates)
+        };
+        let given: Vec<f64> = rates.par_chunks_mut(CHUNK).enumerate().map(add).collect();
+        given.iter().sum()
     }
 
-    /// What the rates of the rows of seams are short of in one of Euler's steps.
-    pub(super) fn rates_of_seams(&self) -> Vec<f64> {
-        // Seams are only where curves differ: there steps keep the enthalpies.
-        let rates = |seams: &Seams| seams.rates(|place| self.values[place]);
-        self.scene.seams.as_ref().map_or(Vec::new(), rates)
+    /// Takes what steps know after one.
+    pub(super) fn set_begun(&mut self, begun: Begun) {
+        self.begun_bytes = self.begun_bytes.max(begun.memory_bytes());
+        self.begun = Some(begun);
     }
 
-    /// Takes what is latent after a step.
-    pub(super) fn set_latent(&mut self, latent: Latent) {
-        self.latent_bytes = self.latent_bytes.max(latent.memory_bytes());
-        self.latent = Some(latent);
-    }
-
-    /// The scene, what is latent as a step begins, and the values.
-    pub(super) fn parts(&mut self) -> (&HeatScene, &Latent, &mut [f64]) {
-        (&self.scene, self.latent.as_ref().expect("begun steps"), &mut self.values)
+    /// The scene, what steps know as one begins, which is taken, and the values.
+    pub(super) fn parts(&mut self) -> (&HeatScene, Begun, &mut [f64]) {
+        (&self.scene, self.begun.take().expect("begun steps"), &mut self.values)
     }
 
     /// Adds a change of the state, which is in `out`, and writes the potentials that come of it in its place.
     pub(super) fn change(&mut self, out: &mut [f64]) {
-        debug_assert!(self.latent.is_none(), "a settled state");
+        debug_assert!(self.begun.is_none(), "a settled state");
         let curves = &self.scene.curves;
         let parts = self.values.par_chunks_mut(CHUNK).zip(out.par_chunks_mut(CHUNK)).enumerate();
         parts.for_each(|(k, (values, out))| curves.change(k * CHUNK, values, out, 1.0, |_, _| ()));
@@ -211,84 +220,17 @@ impl Enthalpy {
 
     /// Bytes that it holds.
     pub(super) fn memory_bytes(&self) -> usize {
-        let curves = &self.scene.curves;
-        let of = curves.of.as_ref().map_or(0, |of| size_of_val(&**of));
-        let curves = of + size_of_val(&*curves.starts);
-        let seams = self.scene.seams.as_ref().map_or(0, Seams::memory_bytes);
-        let fronts = self.scene.fronts.as_ref().map_or(0, FrontFlows::memory_bytes);
-        size_of_val(&*self.values) + curves + seams + fronts + self.latent_bytes
+        let HeatScene { curves, seams, fronts } = &self.scene;
+        let seams = seams.as_ref().map_or(0, Seams::memory_bytes);
+        let fronts = fronts.as_ref().map_or(0, FrontFlows::memory_bytes);
+        let scene = curves.memory_bytes() + seams + fronts;
+        size_of_val(&*self.values) + scene + self.begun_bytes
     }
 }
 
-impl Curves {
-    /// Those of `problem` in the order of `operator`.
-    fn of(problem: &Problem, operator: &dyn CpuOperator) -> Self {
-        let material = &problem.particles.material;
-        let all = problem.materials.iter().map(|material| material.curve.clone());
-        let (of, curves): (_, Vec<_>) = if problem.has_one_curve() {
-            (None, all.skip(usize::from(material[0])).take(1).collect())
-        } else {
-            let numbers: Vec<f64> = material.iter().map(|&m| f64::from(m)).collect();
-            let of: Arc<[u16]> =
-                operator.by_place(&numbers).into_iter().map(|m| m as u16).collect();
-            (Some(of), all.collect())
-        };
-        let changes = |of: &Arc<[u16]>| {
-            let pairs = (1..).zip(of.windows(2));
-            pairs.filter(|(_, pair)| pair[0] != pair[1]).map(|(place, _)| place).collect()
-        };
-        let starts = of.as_ref().map_or(Vec::new(), changes);
-        Self { of, starts, curves }
-    }
-
-    /// The course of all places, if they have one.
-    fn course(&self) -> Option<Course> {
-        let one = self.curves[0].as_ref().filter(|_| self.of.is_none());
-        one.and_then(Course::of)
-    }
-
-    #[inline]
-    fn index(&self, place: usize) -> usize {
-        self.of.as_ref().map_or(0, |of| usize::from(of[place]))
-    }
-
-    /// The curve of a place.
-    fn at(&self, place: usize) -> Option<&HeatCurve> {
-        self.curves[self.index(place)].as_deref()
-    }
-
-    /// Parts of `places` that are of one material, with its curve.
-    fn runs(
-        &self,
-        places: Range<usize>,
-    ) -> impl Iterator<Item = (Range<usize>, Option<&HeatCurve>)> {
-        let first = self.starts.partition_point(|&start| start as usize <= places.start);
-        let mut starts = self.starts[first..].iter();
-        let mut start = places.start;
-        std::iter::from_fn(move || {
-            let next = starts.next().map_or(places.end, |&next| places.end.min(next as usize));
-            let run = start..next;
-            start = run.end;
-            (!run.is_empty()).then(|| (run.clone(), self.at(run.start)))
-        })
-    }
-
-    /// Adds `dt` times changes, which are in `out`, to `values`, of places from `first` on, and writes their
-    /// potentials there; calls `may_melt` with parts where some may melt at one temperature after it: where they
-    /// begin, and their values.
-    pub(super) fn change(
-        &self,
-        first: usize,
-        values: &mut [f64],
-        out: &mut [f64],
-        dt: f64,
-        mut may_melt: impl FnMut(usize, &[f64]),
-    ) {
-        for (run, curve) in self.runs(first..first + out.len()) {
-            let local = run.start - first..run.end - first;
-            let (enthalpies, out) = (&mut values[local.clone()], &mut out[local]);
-            let may_melt = |begins: usize, few: &[f64]| may_melt(run.start + begins, few);
-            wide::run(Change { curve, enthalpies, out, dt, may_melt });
-        }
+impl Begun {
+    fn memory_bytes(&self) -> usize {
+        let at_seams = self.at_seams.iter().map(|locals| size_of_val(&**locals));
+        self.latent.memory_bytes() + at_seams.sum::<usize>()
     }
 }

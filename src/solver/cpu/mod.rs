@@ -3,6 +3,7 @@
 mod aggregates;
 mod change;
 mod course;
+mod curves;
 mod enthalpy;
 mod entries;
 mod fronts;
@@ -11,6 +12,7 @@ mod lattice;
 mod operator;
 mod partial_step;
 mod rows;
+mod seam_step;
 mod vector;
 
 use std::sync::Arc;

@@ -2,12 +2,10 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::CHUNK;
 use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
-use super::partial_step::{self, PartialStep};
+use super::partial_step::{PartialStep, WholeStep};
 use crate::model::operator::SourceRows;
 
 /// What is written at each place: `share` x value + `scale` x rate.
@@ -118,18 +116,13 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     let given = operator.apply(now, out, RATE);
     // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
     // the number of threads.
-    let part = out.len().div_ceil(PARTS).max(CHUNK);
-    given
-        + partial_step::in_parts(enthalpy, operator, now.values, dt, |whole, enthalpies| {
-            let parts = out.par_chunks_mut(part).zip(enthalpies.par_chunks_mut(part)).enumerate();
-            let step = |(k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
-                let mut step = PartialStep::new(whole, k * part, enthalpies);
-                step.take_on(out, out.len());
-                step.finish()
-            };
-            // One by one: some have more to do than others.
-            parts.with_max_len(1).map(step).collect()
-        })
+    let task = out.len().div_ceil(PARTS).max(CHUNK);
+    let step = WholeStep { operator, now: now.values, dt, task };
+    let take_on = |_: &mut (), step: &mut PartialStep<'_, O>, out: &mut [f64]| {
+        step.take_on(out, out.len());
+        0.0
+    };
+    given + step.take(enthalpy, out, || (), take_on)
 }
 
 /// As [`CpuOperator::apply`]; returns what walls gave as well.

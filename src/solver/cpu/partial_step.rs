@@ -4,26 +4,36 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::course::{Course, GoOn};
-use super::enthalpy::{Enthalpy, HeatScene};
+use super::enthalpy::{Begun, Enthalpy, HeatScene};
 use super::fronts::Queue;
 use super::latent::Latent;
 use super::operator::CpuOperator;
-use crate::model::operator::{take_below, within};
+use super::seam_step::SeamStep;
+use crate::model::operator::{seek, take_below, within, within_near};
 use crate::model::wide;
 
 /// Values that are worked on together: parts are whole numbers of them but for the last.
 const FEW: usize = 16;
 
+/// Below this many places one thread is faster than handing out tasks for every step.
+pub(super) const SERIAL: usize = 1 << 15;
+
 /// A step of places that follow each other.
 pub(super) struct PartialStep<'a, O: ?Sized> {
     all: &'a WholeStep<'a, O>,
+    scene: &'a HeatScene,
+    /// What is latent as the step begins.
+    before: &'a Latent,
     /// The places, and their enthalpies, which are up to date unless potentials tell them.
     places: Range<usize>,
     enthalpies: &'a mut [f64],
     /// So many have had their rates, and so many have been taken on.
     known: usize,
     done: usize,
+    seams: Option<SeamStep<'a>>,
     fronts: Queue,
     /// Whether any have been added.
     has_fronts: bool,
@@ -33,58 +43,108 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     given: f64,
 }
 
-/// What steps of all places share.
+/// A step of all places.
 pub(super) struct WholeStep<'a, O: ?Sized> {
-    scene: &'a HeatScene,
-    /// What is latent as the step begins.
-    latent: &'a Latent,
-    operator: &'a O,
-    /// What the rates of the rows of seams are short of.
-    of_seams: &'a [f64],
-    /// Potentials as the step begins, of all places.
-    now: &'a [f64],
+    pub(super) operator: &'a O,
+    /// Potentials as the step begins.
+    pub(super) now: &'a [f64],
     /// s
-    dt: f64,
+    pub(super) dt: f64,
+    /// Places of a task.
+    pub(super) task: usize,
 }
 
-/// Takes `enthalpy`, whose potentials are `now`, a step of `dt` (s) on in parts that follow each other, which `parts`
-/// [finishes](PartialStep::finish); returns what they gave together.
-pub(super) fn in_parts<O: CpuOperator + ?Sized>(
-    enthalpy: &mut Enthalpy,
-    operator: &O,
-    now: &[f64],
-    dt: f64,
-    parts: impl FnOnce(&WholeStep<'_, O>, &mut [f64]) -> Vec<(f64, Latent)>,
-) -> f64 {
-    let of_seams = &enthalpy.rates_of_seams()[..];
-    let (scene, latent, enthalpies) = enthalpy.parts();
-    let whole = WholeStep { scene, latent, operator, of_seams, now, dt };
-    let (given, latent): (Vec<f64>, Vec<Latent>) = parts(&whole, enthalpies).into_iter().unzip();
-    enthalpy.set_latent(Latent::of_parts(latent));
-    given.iter().sum()
+impl<O: CpuOperator + ?Sized> WholeStep<'_, O> {
+    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` finds the rates of a task's
+    /// places with what `scratch` has made, has them [taken on](PartialStep::take_on) and returns what held particles
+    /// gave so far; returns what they gave together, value x capacity / s.
+    pub(super) fn take<S>(
+        &self,
+        enthalpy: &mut Enthalpy,
+        out: &mut [f64],
+        scratch: impl Fn() -> S + Send + Sync,
+        step: impl Fn(&mut S, &mut PartialStep<'_, O>, &mut [f64]) -> f64 + Send + Sync,
+    ) -> f64 {
+        let (scene, begun, enthalpies) = enthalpy.parts();
+        let Begun { latent: before, at_seams: [locals, mut after] } = begun;
+        let (mut first, mut row, mut rest) = (0, 0, &mut after[..]);
+        let mut tasks = Vec::with_capacity(out.len().div_ceil(self.task));
+        for (out, enthalpies) in out.chunks_mut(self.task).zip(enthalpies.chunks_mut(self.task)) {
+            let places = first..first + out.len();
+            first = places.end;
+            let seams = scene.seams.as_ref().map(|seams| {
+                let rows = within_near(seams.places(), &places, &mut row);
+                let (of_task, others) = std::mem::take(&mut rest).split_at_mut(rows.len());
+                rest = others;
+                SeamStep::new(seams, &locals, rows.start, of_task)
+            });
+            tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
+        }
+        let count = first;
+        let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
+            let given = step(scratch, &mut task, out);
+            let (by_held, latent) = task.finish();
+            (given + by_held, latent)
+        };
+        let done: Vec<(f64, Latent)> = if count < SERIAL {
+            let mut scratch = scratch();
+            tasks.into_iter().map(|task| work(&mut scratch, task)).collect()
+        } else {
+            // One by one: some have more to do than others.
+            tasks.into_par_iter().with_max_len(1).map_init(scratch, work).collect()
+        };
+        let (given, latent): (Vec<f64>, Vec<Latent>) = done.into_iter().unzip();
+        let latent = Latent::of_parts(latent);
+        enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
+        given.iter().sum()
+    }
 }
 
 impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
-    /// A step of places from `first` on, which have `enthalpies`.
-    pub(super) fn new(all: &'a WholeStep<'a, O>, first: usize, enthalpies: &'a mut [f64]) -> Self {
-        let places = first..first + enthalpies.len();
-        let fronts = match all.scene.fronts {
-            Some(_) => Queue::new(all.latent, &places, all.operator.reach(), all.now.len()),
+    /// A step of `places`, which have `enthalpies` and `seams`.
+    fn new(
+        all: &'a WholeStep<'a, O>,
+        scene: &'a HeatScene,
+        before: &'a Latent,
+        places: Range<usize>,
+        enthalpies: &'a mut [f64],
+        seams: Option<SeamStep<'a>>,
+    ) -> Self {
+        let fronts = match scene.fronts {
+            Some(_) => Queue::new(before, &places, all.operator.reach(), all.now.len()),
             None => Queue::default(),
         };
-        let melting = within(all.latent.places(), &places);
-        let (known, done, has_fronts, latent, given) = (0, 0, false, Latent::default(), 0.0);
-        Self { all, places, enthalpies, known, done, fronts, has_fronts, melting, latent, given }
+        let melting = within(before.places(), &places);
+        Self {
+            all,
+            scene,
+            before,
+            places,
+            enthalpies,
+            known: 0,
+            done: 0,
+            seams,
+            fronts,
+            has_fronts: false,
+            melting,
+            latent: Latent::default(),
+            given: 0.0,
+        }
+    }
+
+    /// The places.
+    pub(super) fn places(&self) -> Range<usize> {
+        self.places.clone()
     }
 
     /// Takes on what nothing is missing of: of the first `known` places, rates are in `out`, where potentials
     /// after the step are written.
     pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
         let first = self.places.start;
-        let WholeStep { scene, latent, operator, of_seams, now, .. } = *self.all;
-        if let Some(seams) = &scene.seams {
-            let out = &mut out[self.known..known];
-            self.given += seams.add(of_seams, 1.0, first + self.known, out);
+        let WholeStep { operator, now, .. } = *self.all;
+        let (scene, latent) = (self.scene, self.before);
+        if let Some(seams) = &mut self.seams {
+            self.given += seams.add(first + known, first, out);
         }
         self.known = known;
         let mut ready = known;
@@ -105,24 +165,21 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             self.given += fronts.take_held(operator, held, first, out);
         }
         if ready > self.done {
-            let part = self.done..ready;
-            match &scene.course {
-                Some(course) => self.go_on(course, first + self.done, &mut out[part]),
-                None => self.change(first + self.done, &mut out[part]),
+            let (from, out) = (first + self.done, &mut out[self.done..ready]);
+            let latent = self.latent.places().len();
+            match scene.curves.courses() {
+                Some(courses) => self.go_on(courses, from, out),
+                None => self.change(from, out),
             }
+            self.note_seams(latent, from, out);
             self.done = ready;
         }
     }
 
-    /// What held particles among the places gave, value x capacity / s, and what is latent after the step.
-    pub(super) fn finish(self) -> (f64, Latent) {
-        debug_assert_eq!(self.done, self.places.len(), "all taken on");
-        (self.given, self.latent)
-    }
-
     /// Takes places from `first` on a step further by their potentials.
-    fn go_on(&mut self, course: &Course, first: usize, out: &mut [f64]) {
-        let WholeStep { latent, operator, now, dt, .. } = *self.all;
+    fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
+        let WholeStep { operator, now, dt, .. } = *self.all;
+        let (curves, latent) = (&self.scene.curves, self.before);
         let places = first..first + out.len();
         let now = &now[places.clone()];
         let melting = take_below(latent.places(), &mut self.melting, places.end);
@@ -132,18 +189,23 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         let mut changed: Vec<(usize, f64)> = melting.map(take).collect();
         let mut leaving = Vec::new();
-        operator.for_each_present(places, &mut |places| {
-            let local = places.start - first..places.end - first;
-            let (now, out) = (&now[local.clone()], &mut out[local]);
-            wide::run(GoOn { course, now, out, dt, leaving: &mut leaving, first: places.start });
-        });
+        for (run, which) in curves.runs(places) {
+            operator.for_each_present(run, &mut |places| {
+                let local = places.start - first..places.end - first;
+                let (now, out) = (&now[local.clone()], &mut out[local]);
+                let (course, first) = (&courses[which], places.start);
+                wide::run(GoOn { course, now, out, dt, leaving: &mut leaving, first });
+            });
+        }
+        let course = |place: usize| &courses[curves.which(place)];
         if !leaving.is_empty() {
-            let enthalpy = |place: usize| course.enthalpy(now[place - first]);
+            let enthalpy = |place: usize| course(place).enthalpy(now[place - first]);
             let leaving = leaving.into_iter();
             changed.extend(leaving.map(|(place, change)| (place, enthalpy(place) + change)));
             changed.sort_unstable_by_key(|&(place, _)| place);
         }
         for (place, enthalpy) in changed {
+            let course = course(place);
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
             if !course.tells(enthalpy, potential) {
@@ -154,8 +216,8 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
 
     /// Takes places from `first` on a step further by their enthalpies.
     fn change(&mut self, first: usize, out: &mut [f64]) {
-        let WholeStep { scene, operator, dt, .. } = *self.all;
-        let (start, latent) = (self.places.start, &mut self.latent);
+        let WholeStep { operator, dt, .. } = *self.all;
+        let (scene, start, latent) = (self.scene, self.places.start, &mut self.latent);
         let enthalpies = &mut self.enthalpies[first - start..first - start + out.len()];
         operator.for_each_present(first..first + out.len(), &mut |places| {
             let local = places.start - first..places.end - first;
@@ -171,5 +233,35 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             });
         });
         operator.clear_absent(first, out);
+    }
+
+    /// Takes note of what the particles of seams are like after places from `first` on were taken on: their potentials
+    /// are in `out`, and what melts among them is in `latent` from `from` on.
+    fn note_seams(&mut self, mut from: usize, first: usize, out: &[f64]) {
+        let Some(step) = &mut self.seams else {
+            return;
+        };
+        let (latent, start, enthalpies) = (&self.latent, self.places.start, &*self.enthalpies);
+        let Some(courses) = self.scene.curves.courses() else {
+            step.take_on(first + out.len(), |seams, row, place| {
+                seams.local(row, enthalpies[place - start])
+            });
+            return;
+        };
+        step.take_on(first + out.len(), |seams, row, place| {
+            from = seek(latent.places(), from, |&other| (other as usize) < place);
+            match latent.places().get(from) {
+                Some(&other) if other as usize == place => {
+                    seams.local(row, latent.enthalpies()[from])
+                }
+                _ => seams.local_of(row, courses[seams.material(row)].state(out[place - first])),
+            }
+        });
+    }
+
+    /// What held particles among the places gave, value x capacity / s, and what is latent after the step.
+    fn finish(self) -> (f64, Latent) {
+        debug_assert_eq!(self.done, self.places.len(), "all taken on");
+        (self.given, self.latent)
     }
 }

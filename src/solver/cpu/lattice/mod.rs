@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
 use super::operator::{Combine, CpuOperator, Now, RATE};
-use super::partial_step::{self, PartialStep};
+use super::partial_step::{PartialStep, SERIAL, WholeStep};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -26,8 +26,6 @@ pub(super) use uniform::Uniform;
 const TASK: usize = 1 << 14;
 /// Tasks at least, where there are more than that of such values.
 const LEAST_TASKS: usize = 16;
-/// Below this many particles one thread is faster than handing out tasks for every step.
-const SERIAL: usize = 1 << 15;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
@@ -159,31 +157,17 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let part = L::PART << (6 - 2 * dimension);
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
-        partial_step::in_parts(enthalpy, self, now.values, dt, |whole, enthalpies| {
-            let step =
-                |scratch: &mut Scratch,
-                 (k, (out, enthalpies)): (usize, (&mut [f64], &mut [f64]))| {
-                    let mut given = 0.0;
-                    let mut step = PartialStep::new(whole, k * task, enthalpies);
-                    for known in (0..out.len()).step_by(part) {
-                        let next = (known + part).min(out.len());
-                        let of_part = &mut out[known..next];
-                        given += self.of.advance(scratch, now, k * task + known, of_part, RATE);
-                        step.take_on(out, next);
-                    }
-                    let (by_held, latent) = step.finish();
-                    (given + by_held, latent)
-                };
-            if out.len() < SERIAL {
-                let mut scratch = scratch();
-                let parts = out.chunks_mut(task).zip(enthalpies.chunks_mut(task)).enumerate();
-                parts.map(|part| step(&mut scratch, part)).collect()
-            } else {
-                let parts = out.par_chunks_mut(task).zip(enthalpies.par_chunks_mut(task));
-                // One by one: some have more to do than others.
-                parts.enumerate().with_max_len(1).map_init(scratch, step).collect()
+        let step = |scratch: &mut Scratch, step: &mut PartialStep<'_, Self>, out: &mut [f64]| {
+            let (first, mut given) = (step.places().start, 0.0);
+            for known in (0..out.len()).step_by(part) {
+                let next = (known + part).min(out.len());
+                let of_part = &mut out[known..next];
+                given += self.of.advance(scratch, now, first + known, of_part, RATE);
+                step.take_on(out, next);
             }
-        })
+            given
+        };
+        WholeStep { operator: self, now: now.values, dt, task }.take(enthalpy, out, scratch, step)
     }
 
     fn has_particle(&self, place: usize) -> bool {
