@@ -7,7 +7,7 @@ mod support;
 
 use diffusph::case::Scene;
 use diffusph::report::run::RunReport;
-use diffusph::solver::{Machine, PathWish, Precision};
+use diffusph::solver::{Machine, MachineKind, PathChoice, PathWish, Plan, Precision};
 use serde_json::{Value, json};
 
 use cases::{load, shipped};
@@ -362,4 +362,20 @@ fn scenes_that_do_not_melt_pay_nothing() {
     // The enthalpy, the copy of it that a run falls back to, and place and enthalpy of the particle that melts.
     assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16 + 12);
     assert!(conducting.front.is_none());
+    // On a GPU a step reads one enthalpy and writes another, and tiles of what melts are listed.
+    let machine = on_gpu(Precision::F64);
+    let keys = ["time.end=0.01", no_exact, plain];
+    let bytes = |keys: &[&str]| {
+        let scene = melting_rod(800, keys);
+        let (kind, wish) = (MachineKind::Gpu(Precision::F64), PathWish::Lattice);
+        let choice = PathChoice::new(&scene.problem, kind, wish).expect("a path");
+        let plan = Plan::new(&scene.problem, kind, &choice, 1);
+        let (report, _) = run_on(&scene, &machine, wish);
+        (report.memory_bytes, plan.memory_bytes(&scene.problem, 1))
+    };
+    let ((melting, planned), (conducting, planned_without)) = (bytes(&keys[..2]), bytes(&keys));
+    assert_eq!(planned - planned_without, 800 * 3 * 8 + 3 * 4 * 200);
+    // Beside those the curve and what the device counts.
+    let more = (melting - conducting) - (planned - planned_without);
+    assert!(more < 600, "{more} bytes");
 }

@@ -173,6 +173,31 @@ fn every_combination_is_valid() {
 }
 
 #[test]
+fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
+    let names = |source: &PassSource| source.bindings.iter().map(|b| b.name).collect::<Vec<_>>();
+    for precision in Precision::ALL {
+        let lattice = lattices().into_iter().find(|lattice| lattice.precision == precision);
+        let lattice = lattice.expect("every precision is among them").all();
+        let on_lattice: Vec<_> = lattice.iter().filter(|s| s.pass == "lattice_step").collect();
+        let choices = a_choice(precision);
+        let of_list = [false, true].map(|noted| {
+            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, each: true }, noted)
+        });
+        let each = &["curve_of", "curve_start"][..];
+        let of_list = (&choices.step(), &of_list[0], &of_list[1], each);
+        let on_lattice = (on_lattice[0], on_lattice[1], on_lattice[2], &[][..]);
+        for (plain, enthalpy, noted, each) in [of_list, on_lattice] {
+            let text = plain.link().expect("every file exists");
+            assert!(!text.contains("content") && !text.contains("curve"), "{text}");
+            let expected =
+                [&names(plain)[..], &["content", "content_after", "curve"], each].concat();
+            assert_eq!(names(enthalpy), expected);
+            assert_eq!(names(noted), [&expected[..], &["tiles", "appended"]].concat());
+        }
+    }
+}
+
+#[test]
 fn a_broken_slot_is_noticed() {
     for precision in Precision::ALL {
         let list = a_choice(precision).list().link().expect("every file exists");

@@ -19,6 +19,6 @@ fn exception_front(
     if is_held(row) {
         record_exchange(row, increment, real(0.0));
     } else {
-        after[local] = advanced(after[local], increment);
+        correct(local, increment);
     }
 }

@@ -18,8 +18,8 @@ fn exception_step(
     record_inflow(row, collapsed(own), step);
     if is_held(row) {
         record_exchange(row, step * sum, step);
-        after[site - part.first_site] = own;
+        keep(site - part.first_site, own);
     } else {
-        after[site - part.first_site] = advanced(own, step * rate);
+        advance(site - part.first_site, own, step * rate);
     }
 }

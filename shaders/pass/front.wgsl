@@ -18,6 +18,6 @@ fn front(
     if is_held(row) {
         record_exchange(row, increment);
     } else {
-        after[row] = advanced(after[row], increment);
+        correct(row, increment);
     }
 }

@@ -1,4 +1,5 @@
-// How many workgroups go through the places of a list, folded into two dimensions; empties another.
+// How many workgroups go through the places of a list, folded into two dimensions; empties another. One
+// invocation does it: WORKGROUP_SIZE is that of the passes whose workgroups it counts.
 
 @compute @workgroup_size(1)
 fn front_size() {

@@ -16,5 +16,5 @@ fn lattice_front(
         return;
     }
     let sum = site_sum(site, own_value(site));
-    after[local] = advanced(after[local], step_size.over_reference * sum);
+    correct(local, step_size.over_reference * sum);
 }

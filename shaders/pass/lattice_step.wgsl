@@ -10,6 +10,6 @@ fn lattice_step(
     if site < part.end_site {
         let own = own_value(site);
         let increment = step_size.over_reference * site_sum(site, own);
-        after[site - part.first_site] = advanced(own, increment);
+        advance(site - part.first_site, own, increment);
     }
 }

@@ -13,7 +13,7 @@ fn seam(
     let row = seam_row[index];
     let increment = seam_share() * shortage(row);
     if row.w == NO_SLOT {
-        after[row.x] = advanced(after[row.x], increment);
+        correct(row.x, increment);
     } else {
         record_short(row, increment);
     }

@@ -16,8 +16,8 @@ fn step(
     record_inflow(row, collapsed(own), step);
     if is_held(row) {
         record_exchange(row, increment);
-        after[row] = own;
+        keep(row, own);
     } else {
-        after[row] = advanced(own, increment);
+        advance(row, own, increment);
     }
 }

@@ -1,4 +1,4 @@
-// To a step of potentials.
+// To a step.
 
 fn seam_share() -> real {
     return step_size.over_reference;

@@ -63,6 +63,18 @@ pub enum GpuError {
         /// Buffers that it was given.
         given: usize,
     },
+    /// A pass needs more storage buffers than the adapter binds at once.
+    #[error(
+        "pass `{pass}` needs {needed} storage buffers, but the device binds {available} at once"
+    )]
+    TooManyBuffers {
+        /// The pass.
+        pass: String,
+        /// Storage buffers that it declares.
+        needed: u32,
+        /// Storage buffers that it may have.
+        available: u32,
+    },
     /// The driver, or wgpu's validation, refused something.
     #[error("the device refused {what}: {reason}")]
     Refused {

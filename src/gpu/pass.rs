@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::link::{Holds, PassSource};
+use super::link::{Binding, Holds, PassSource};
 use super::{Buffer, Device, GpuError};
 
 /// A compiled shader with the layout of its buffers.
@@ -66,6 +66,8 @@ impl Device {
                 given: buffers.len(),
             });
         }
+        let most = self.raw().limits().max_storage_buffers_per_shader_stage;
+        check_storage_buffers(source, most)?;
         let pipeline = self.pipeline(source)?;
         let entries: Vec<_> = (0..)
             .zip(buffers)
@@ -130,6 +132,17 @@ impl Device {
     }
 }
 
+/// An error if a pass has more storage buffers than `most`.
+fn check_storage_buffers(source: &PassSource, most: u32) -> Result<(), GpuError> {
+    let is_storage = |binding: &&Binding| !matches!(binding.holds, Holds::Block(_));
+    let needed = source.bindings.iter().filter(is_storage).count() as u32;
+    if needed > most {
+        let pass = source.pass.to_owned();
+        return Err(GpuError::TooManyBuffers { pass, needed, available: most });
+    }
+    Ok(())
+}
+
 fn layout_entry(binding: u32, holds: Holds) -> wgpu::BindGroupLayoutEntry {
     let ty = match holds {
         Holds::Block(_) => wgpu::BufferBindingType::Uniform,
@@ -155,7 +168,19 @@ fn fold(workgroups: u64, most: u32) -> [u32; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::fold;
+    use super::{check_storage_buffers, fold};
+    use crate::gpu::limits::limit_sources;
+    use crate::gpu::{GpuError, Real};
+
+    #[test]
+    fn a_pass_with_too_many_storage_buffers_is_named() {
+        // Two arrays and a parameter block, which is no storage buffer.
+        let [_, source] = limit_sources(Real::F32);
+        assert!(check_storage_buffers(&source, 2).is_ok());
+        let error = check_storage_buffers(&source, 1).expect_err("two are needed");
+        assert!(matches!(error, GpuError::TooManyBuffers { needed: 2, available: 1, .. }));
+        assert!(error.to_string().contains("`arithmetic` needs 2 storage buffers"), "{error}");
+    }
 
     #[test]
     fn folded_workgroups_cover_all_and_stay_within_the_limit() {

@@ -57,7 +57,7 @@ impl Backend for GpuBackend {
             self.saved = Some(Saved {
                 state: self.steps.state().iter().map(twin).collect::<Result<_, _>>()?,
                 enthalpy: match self.steps.enthalpy() {
-                    Some(enthalpy) => enthalpy.parts.iter().map(twin).collect::<Result<_, _>>()?,
+                    Some(_) => self.steps.content().iter().map(twin).collect::<Result<_, _>>()?,
                     None => Vec::new(),
                 },
                 exchange: self.steps.exchange().map(twin).transpose()?,
@@ -207,8 +207,8 @@ impl GpuBackend {
         };
         let exchange = self.steps.exchange().zip(saved.exchange.as_ref());
         let state = self.steps.state().iter().zip(&saved.state);
-        let enthalpy = self.steps.enthalpy().map_or(&[][..], |enthalpy| &enthalpy.parts);
-        let state = state.chain(enthalpy.iter().zip(&saved.enthalpy));
+        // Nothing is saved of an enthalpy where there is none.
+        let state = state.chain(self.steps.content().iter().zip(&saved.enthalpy));
         let mut pairs: Vec<_> = state.map(|(here, there)| direction(here, there)).collect();
         pairs.extend(exchange.map(|(here, there)| direction(here, there)));
         let walls = self.steps.walls().zip(saved.walls.as_ref());

@@ -1,9 +1,11 @@
 //! The passes of scenes whose neighbours are listed or searched for.
 
+use super::curve_passes::CurvePasses;
 use super::fronts::FrontMakes;
 use super::passes::{
-    CHUNK, COMBINATION, GRID, HELD_BIT, MARKED_MASK, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STEP_SIZE,
-    WALL_BIT, WALL_SETUP, WHOLE, WallTerms, arithmetic, block, given, read, value, write,
+    CHUNK, COMBINATION, GRID, HELD_BIT, MARKED_MASK, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STATE_END,
+    STEP_SIZE, WALL_BIT, WALL_SETUP, WHOLE, WallTerms, arithmetic, block, given, read, value,
+    write,
 };
 use crate::gpu::{Binding, Constant, Element, PassSource, Real};
 use crate::model::kernel::SUPPORT_MARGIN;
@@ -164,7 +166,16 @@ impl Choices {
 
     /// One explicit Euler step of the rows of a chunk.
     pub fn step(&self) -> PassSource {
-        self.on_rows("step")
+        let mut source = self.on_rows("step");
+        source.slots.push(STATE_END.to_owned());
+        source
+    }
+
+    /// The same of enthalpies that follow `curves`; what melts is listed where it is `noted`.
+    pub fn enthalpy_step(&self, curves: CurvePasses, noted: bool) -> PassSource {
+        let mut source = self.step();
+        curves.end_step(&mut source, noted);
+        source
     }
 
     /// The rate of change of the rows of a chunk.
@@ -198,11 +209,10 @@ impl Choices {
         source
     }
 
-    /// What fronts change of a step of the rows of a chunk, or the tiles where they may; `each`
-    /// where places melt as their material does.
-    pub fn front(&self, each: bool, makes: FrontMakes) -> PassSource {
+    /// What fronts change of a step of the rows of a chunk, or the tiles where they may.
+    pub fn front(&self, curves: CurvePasses, makes: FrontMakes) -> PassSource {
         let mut source = Self { walls: WallTerms::None, ..*self }.on_rows("front");
-        makes.add_to(&mut source, self.precision, each, false);
+        makes.add_to(&mut source, curves, false);
         source
     }
 
@@ -219,7 +229,7 @@ impl Choices {
 
     /// Every pass that these choices may name.
     pub fn all(&self) -> Vec<PassSource> {
-        vec![
+        let mut all = vec![
             self.bin(),
             self.cell_count(),
             self.scatter(),
@@ -233,12 +243,15 @@ impl Choices {
             self.combine(),
             self.list_given(),
             self.diagonal(),
-            self.front(false, FrontMakes::Near),
-            self.front(false, FrontMakes::Flows),
-            self.front(true, FrontMakes::Near),
-            self.front(true, FrontMakes::Flows),
             self.probe(),
-        ]
+        ];
+        for each in [false, true] {
+            let Self { precision, workgroup_size, .. } = *self;
+            let curves = CurvePasses { precision, workgroup_size, each };
+            all.extend([false, true].map(|noted| self.enthalpy_step(curves, noted)));
+            all.extend(FrontMakes::ALL.map(|makes| self.front(curves, makes)));
+        }
+        all
     }
 
     fn domain(&self) -> &'static str {

@@ -1,7 +1,9 @@
 //! The passes of scenes whose state is an enthalpy.
 
-use super::fronts::NOT_NOTED;
-use super::passes::{COMBINATION, NO_SLOT, STEP_SIZE, arithmetic, block, read, value, write};
+use super::fronts::note;
+use super::passes::{
+    COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, read, value, write,
+};
 use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
 use crate::solver::Precision;
@@ -31,12 +33,46 @@ pub struct SeamPasses {
 }
 
 impl CurvePasses {
-    /// Adds to enthalpies what a step has added to potentials, and writes the potentials that come of it.
-    pub fn enthalpy(self) -> PassSource {
+    /// Makes a pass over all places of a step of potentials one of enthalpies, which writes both; what melts is
+    /// listed where it is `noted`.
+    pub(super) fn end_step(self, source: &mut PassSource, noted: bool) {
+        source.bindings.push(read("content", value(self.precision)));
+        self.end(source, "end/enthalpy", noted);
+    }
+
+    /// The same of a pass that adds to what those have written, and has the enthalpies before.
+    pub(super) fn end_correction(self, source: &mut PassSource, noted: bool) {
+        self.end(source, "end/correction", noted);
+    }
+
+    fn end(self, source: &mut PassSource, end: &str, noted: bool) {
+        source.bindings.push(write("content_after", value(self.precision)));
+        source.bindings.extend(of_curves(self.each));
+        source.slots.retain(|slot| slot != STATE_END);
+        let slots = [self.bounds(), "curve/segments", "end/written", end];
+        source.slots.extend(slots.map(str::to_owned));
+        note(source, noted);
+    }
+
+    /// Adds a vector to enthalpies, and writes the potentials that come of them.
+    pub fn enthalpy_add(self) -> PassSource {
         let value = value(self.precision);
-        let states = [read("before", value), write("after", value), write("content", value)];
-        let mut source = self.on_curve("enthalpy", &states);
-        source.slots.push(NOT_NOTED.to_owned());
+        let states = [
+            read("content", value),
+            read("change", value),
+            write("content_after", value),
+            write("after", value),
+        ];
+        let mut source = self.on_curve("enthalpy_add", &states);
+        source.slots.push("end/written".to_owned());
+        note(&mut source, false);
+        source
+    }
+
+    /// Lists what melts.
+    pub fn find_fronts(self) -> PassSource {
+        let mut source = self.on_curve("front_find", &[read("content", value(self.precision))]);
+        note(&mut source, true);
         source
     }
 
@@ -53,8 +89,7 @@ impl CurvePasses {
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
         vec![
-            self.enthalpy(),
-            self.noted_enthalpy(),
+            self.enthalpy_add(),
             self.find_fronts(),
             self.front_size(),
             self.potential_change(),
@@ -72,15 +107,22 @@ impl CurvePasses {
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
         bindings.extend(of_curves(self.each));
         bindings.extend(states);
-        let bounds = if self.each { "curve/each" } else { "curve/one" };
-        source(self.precision, self.workgroup_size, pass, bindings, &[bounds, "curve/segments"])
+        let slots = [self.bounds(), "curve/segments"];
+        source(self.precision, self.workgroup_size, pass, bindings, &slots)
+    }
+
+    fn bounds(self) -> &'static str {
+        if self.each { "curve/each" } else { "curve/one" }
     }
 }
 
 impl SeamPasses {
-    /// Adds what the matrix is short of to a step of potentials.
-    pub fn step(self) -> PassSource {
-        let mut source = self.on_rows("seams/of_state", "seams/to_step", "seams/exchange");
+    /// Adds what the matrix is short of to a step; what melts is listed where it is `noted`.
+    pub fn step(self, noted: bool) -> PassSource {
+        let to = ["seams/to_step", "end/written", "end/correction"];
+        let mut source = self.on_rows("seams/of_state", &to, "seams/exchange");
+        source.bindings.push(write("content_after", value(self.precision)));
+        note(&mut source, noted);
         if self.held {
             source.bindings.push(write("exchange", Element::Real2));
         }
@@ -89,7 +131,7 @@ impl SeamPasses {
 
     /// The same for rates.
     pub fn rate(self) -> PassSource {
-        self.on_rows("seams/of_state", "seams/to_rate", "seams/no_held")
+        self.on_rows("seams/of_state", &["seams/to_rate", "end/sum"], "seams/no_held")
     }
 
     /// The same for a vector of rates.
@@ -106,11 +148,11 @@ impl SeamPasses {
 
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
-        vec![self.step(), self.rate(), self.combine(), self.change()]
+        vec![self.step(false), self.step(true), self.rate(), self.combine(), self.change()]
     }
 
     fn combined(self, of: &'static str) -> PassSource {
-        let mut source = self.on_rows(of, "seams/to_vector", "seams/given");
+        let mut source = self.on_rows(of, &["seams/to_vector", "end/sum"], "seams/given");
         source.bindings.push(block("factors", &COMBINATION));
         if self.held {
             source.bindings.push(write("given", value(self.precision)));
@@ -118,7 +160,7 @@ impl SeamPasses {
         source
     }
 
-    fn on_rows(self, of: &str, to: &str, held: &str) -> PassSource {
+    fn on_rows(self, of: &str, to: &[&str], held: &str) -> PassSource {
         let value = value(self.precision);
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
         bindings.extend(of_curves(true));
@@ -132,7 +174,8 @@ impl SeamPasses {
         ]);
         let held = if self.held { held } else { "seams/no_held" };
         let mean = format!("operator/{}", self.pair_mean.name());
-        let slots = ["curve/each", "curve/segments", &mean, "seams/rows", of, to, held];
+        let rows = ["curve/each", "curve/segments", &mean, "seams/rows", of, held];
+        let slots: Vec<&str> = rows.iter().chain(to).copied().collect();
         source(self.precision, self.workgroup_size, "seam", bindings, &slots)
     }
 }

@@ -1,8 +1,8 @@
 //! Enthalpy on the device, and the potentials that come of it.
 
 use super::curve_passes::CurvePasses;
-use super::fronts::DeviceFronts;
-use crate::gpu::{Buffer, Device, GpuError, Pass};
+use super::fronts::{DeviceFronts, FrontMakes};
+use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::material::Segment;
 use crate::model::{Conductivity, HeatCurve, Material, Problem};
 use crate::solver::Precision;
@@ -71,8 +71,8 @@ impl Curves {
 #[derive(Debug)]
 pub(super) struct Enthalpy {
     passes: CurvePasses,
-    /// In the parts of the state.
-    pub(super) parts: Vec<Buffer>,
+    /// A step reads one and writes the other, in the parts of the state.
+    parts: [Vec<Buffer>; 2],
     /// The segments of the curves; where places have different ones, which each has and where these begin.
     curve: Vec<Buffer>,
 }
@@ -87,10 +87,11 @@ impl Enthalpy {
         curves: &Curves,
         parts: impl Iterator<Item = &'a [f64]>,
     ) -> Result<Self, GpuError> {
-        let parts = parts.map(|part| {
-            let contents = precision.state_to_bytes(part);
-            device.storage_with("enthalpy", &contents)
-        });
+        let filled = parts
+            .map(|part| device.storage_with("enthalpy", &precision.state_to_bytes(part)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let empty = filled.iter().map(|part| device.storage("enthalpy", part.bytes()));
+        let empty = empty.collect::<Result<_, _>>()?;
         let contents = precision.real().to_bytes(&table(curves));
         let mut curve = vec![device.storage_with("curve", &contents)?];
         if let Curves::Each { of, curves } = curves {
@@ -104,7 +105,7 @@ impl Enthalpy {
         let each = matches!(curves, Curves::Each { .. });
         Ok(Self {
             passes: CurvePasses { precision, workgroup_size, each },
-            parts: parts.collect::<Result<_, _>>()?,
+            parts: [filled, empty],
             curve,
         })
     }
@@ -119,50 +120,113 @@ impl Enthalpy {
         &self.curve
     }
 
-    /// The passes that follow a step of potentials from `before` to `after`; they list what melts for `fronts`.
-    pub(super) fn passes(
+    /// The parts in place `at` of the two.
+    pub(super) fn parts(&self, at: usize) -> &[Buffer] {
+        &self.parts[at]
+    }
+
+    /// The passes that add the parts of `change` to the enthalpies in place `from`: these go to the other place,
+    /// and the potentials that come of them to `after`.
+    pub(super) fn add(
         &self,
         device: &Device,
         step_size: &Buffer,
-        before: &[Buffer],
+        from: usize,
+        change: &[Buffer],
         after: &[Buffer],
-        fronts: Option<&DeviceFronts>,
     ) -> Result<Vec<Pass>, GpuError> {
-        let noted = fronts.and_then(DeviceFronts::noted);
-        let source = match noted {
-            Some(_) => self.passes.noted_enthalpy(),
-            None => self.passes.enthalpy(),
-        };
-        let of_part = |((content, before), after): ((&Buffer, &Buffer), &Buffer)| {
+        let source = self.passes.enthalpy_add();
+        let of_part = |k: usize| {
             let mut buffers = vec![step_size];
             buffers.extend(&self.curve);
-            buffers.extend([before, after, content]);
-            buffers.extend(noted.into_iter().flatten());
-            device.pass(&source, &buffers, after.bytes() / self.passes.precision.state_bytes())
+            buffers.extend([&self.parts[from][k], &change[k]]);
+            buffers.extend([&self.parts[1 - from][k], &after[k]]);
+            device.pass(&source, &buffers, self.values_in(&after[k]))
         };
-        self.parts.iter().zip(before).zip(after).map(of_part).collect()
+        (0..after.len()).map(of_part).collect()
     }
 
-    /// The pass that lists what melts, where there are lists.
+    /// The pass that lists what melts of the enthalpies in place `from`, where there are lists.
     pub(super) fn find_fronts(
         &self,
         device: &Device,
         step_size: &Buffer,
+        from: usize,
         fronts: &DeviceFronts,
     ) -> Result<Option<Pass>, GpuError> {
-        let (Some([tiles, table, melting]), [content]) = (fronts.noted(), &self.parts[..]) else {
+        let (Some(noted), [content]) = (fronts.noted(), self.parts(from)) else {
             return Ok(None);
         };
-        let mut buffers = vec![step_size, content, tiles, table];
-        buffers.extend(self.curve.get(1).filter(|_| fronts.each));
-        buffers.push(melting);
-        let count = content.bytes() / self.passes.precision.state_bytes();
-        device.pass(&self.passes.find_fronts(), &buffers, count).map(Some)
+        let mut buffers = vec![step_size];
+        buffers.extend(&self.curve);
+        buffers.push(content);
+        buffers.extend(noted);
+        device.pass(&self.passes.find_fronts(), &buffers, self.values_in(content)).map(Some)
+    }
+
+    fn values_in(&self, buffer: &Buffer) -> u64 {
+        buffer.bytes() / self.passes.precision.state_bytes()
     }
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.parts.iter().chain(&self.curve).map(Buffer::bytes).sum()
+        self.parts.iter().flatten().chain(&self.curve).map(Buffer::bytes).sum()
+    }
+}
+
+/// What the passes of a step read and write beside potentials, where these come of enthalpies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeatFields<'a> {
+    pub(super) enthalpy: &'a Enthalpy,
+    /// In which of its two places the step finds it.
+    pub(super) from: usize,
+    /// Where something melts at one temperature.
+    pub(super) fronts: Option<&'a DeviceFronts>,
+}
+
+impl<'a> HeatFields<'a> {
+    /// Makes a pass over all places of a step one of enthalpies.
+    pub(super) fn end_step(&self, source: &mut PassSource) {
+        self.enthalpy.passes.end_step(source, self.noted().is_some());
+    }
+
+    /// The buffers of such a pass on part `k` of the state, after those of a step of potentials.
+    pub(super) fn of_step(&self, k: usize) -> Vec<&'a Buffer> {
+        let mut buffers = vec![&self.enthalpy.parts[self.from][k]];
+        buffers.extend(self.of_correction(k));
+        buffers
+    }
+
+    /// The buffers of a pass of `fronts` on part `k` of the state, likewise; `beside` are the parts that its stencils
+    /// reach, where the state is in parts.
+    pub(super) fn of_front(
+        &self,
+        fronts: &'a DeviceFronts,
+        makes: FrontMakes,
+        k: usize,
+        beside: Option<[usize; 2]>,
+    ) -> Vec<&'a Buffer> {
+        let contents = [k].into_iter().chain(beside.into_iter().flatten());
+        let mut buffers: Vec<&Buffer> =
+            contents.map(|part| &self.enthalpy.parts[self.from][part]).collect();
+        buffers.extend(fronts.buffers(makes, k, self.enthalpy.curve.get(1)));
+        if makes == FrontMakes::Flows {
+            buffers.extend(self.of_correction(k));
+        }
+        buffers
+    }
+
+    /// The buffers of the end of a pass that adds to what a step has written.
+    fn of_correction(&self, k: usize) -> Vec<&'a Buffer> {
+        let mut buffers = vec![&self.enthalpy.parts[1 - self.from][k]];
+        buffers.extend(&self.enthalpy.curve);
+        buffers.extend(self.noted().into_iter().flatten());
+        buffers
+    }
+
+    /// The buffers of what lists what melts.
+    pub(super) fn noted(&self) -> Option<[&'a Buffer; 2]> {
+        self.fronts.and_then(DeviceFronts::noted)
     }
 }
 

@@ -1,17 +1,17 @@
 //! What fronts change of the flows of a step, on the device.
 //!
 //! Little melts, and flows change only there and beside it. So places are in tiles of [`TILE`] that follow each
-//! other, and a step goes through lists of tiles, whose lengths only the device knows: after a step those where
-//! anything melts are listed, in the next those of these and of their neighbours, and there flows are looked for.
+//! other, and a step goes through lists of tiles, whose lengths only the device knows: before a step those where
+//! anything melts are listed, then those of these and of their neighbours, and there flows are looked for after it.
+//! Every pass that writes an enthalpy lists for the next step what melts.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 
 use std::ops::Range;
 
 use super::curve_passes::CurvePasses;
-use super::enthalpy::Enthalpy;
-use super::passes::{NO_SLOT, SPLIT, STEP_SIZE, WHOLE, arithmetic, block, read, value, write};
-use crate::gpu::{Binding, Buffer, Constant, Device, Element, GpuError, Pass, PassSource};
+use super::passes::{SPLIT, STATE_END, WHOLE, read, value, write};
+use crate::gpu::{Buffer, Constant, Device, Element, GpuError, Pass, PassSource};
 use crate::model::Problem;
 use crate::model::operator::Fronts;
 use crate::solver::Precision;
@@ -54,32 +54,29 @@ pub enum FrontMakes {
 }
 
 impl FrontMakes {
-    /// The passes of a step, in order.
+    /// Both, in order.
+    pub(super) const ALL: [Self; 2] = [Self::Near, Self::Flows];
+
+    /// Those of a state, in order.
     pub(super) fn of(is_split: bool) -> &'static [Self] {
-        if is_split { &[Self::Flows] } else { &[Self::Near, Self::Flows] }
+        if is_split { &[Self::Flows] } else { &Self::ALL }
     }
 
     /// Makes the pass `source` of a step one of this: sums find flows or neighbours where they would find the state.
-    pub(super) fn add_to(
-        self,
-        source: &mut PassSource,
-        precision: Precision,
-        each: bool,
-        is_split: bool,
-    ) {
+    pub(super) fn add_to(self, source: &mut PassSource, curves: CurvePasses, is_split: bool) {
         let contents: &[&str] = match is_split {
             true => &["content", "content_below", "content_above"],
             false => &["content"],
         };
-        source.bindings.extend(contents.iter().map(|&name| read(name, value(precision))));
-        source.bindings.extend(of_fronts(each));
+        source.bindings.extend(contents.iter().map(|&name| read(name, value(curves.precision))));
+        source.bindings.push(read("fronts", Element::Real4));
         let mut slots = vec![
             "front/melting",
-            if each { "front/each" } else { "front/one" },
+            if curves.each { "front/each" } else { "front/one" },
             if is_split { "front/split" } else { "front/whole" },
         ];
-        source.constants.push(("TILE", Constant::Count(TILE as u32)));
         if is_split {
+            tiles_to(source);
             slots.extend(["front/everywhere", "front/near_all"]);
         } else {
             source.bindings.push(read("listed", Element::U32));
@@ -90,15 +87,18 @@ impl FrontMakes {
             source.constants.push(("LISTED", listed.bit()));
             slots.extend(["front/listed", "front/near_listed"]);
         }
-        if self == Self::Near {
-            source.bindings.push(write("appended", Element::AtomicU32));
-            source.constants.push(("APPENDED", Listed::Near.bit()));
-            slots.push("front/append");
-        }
+        source.slots.retain(|slot| slot != STATE_END);
         source.slots.extend(slots.into_iter().map(str::to_owned));
         let found = match self {
-            Self::Near => "front/marking",
-            Self::Flows => "front/flowing",
+            Self::Near => {
+                source.bindings.extend(curves.each.then_some(read("curve_of", Element::U32)));
+                append_to(source, Listed::Near);
+                "front/listing"
+            }
+            Self::Flows => {
+                curves.end_correction(source, !is_split);
+                "front/flowing"
+            }
         };
         for slot in source.slots.iter_mut().filter(|slot| [WHOLE, SPLIT].contains(&&***slot)) {
             *slot = found.to_owned();
@@ -106,47 +106,30 @@ impl FrontMakes {
     }
 }
 
-/// The tiles, and where each material melts.
-fn of_fronts(each: bool) -> impl Iterator<Item = Binding> {
-    let all = [write("tiles", Element::AtomicU32), read("fronts", Element::Real4)];
-    all.into_iter().chain(each.then_some(read("curve_of", Element::U32)))
+/// Makes a pass that writes enthalpies list what melts of them, or not.
+pub(super) fn note(source: &mut PassSource, noted: bool) {
+    let slot = if noted { "front/noted" } else { "front/not_noted" };
+    source.slots.push(slot.to_owned());
+    if noted {
+        append_to(source, Listed::Melting);
+    }
+}
+
+fn append_to(source: &mut PassSource, list: Listed) {
+    tiles_to(source);
+    source.bindings.push(write("appended", Element::AtomicU32));
+    source.constants.push(("APPENDED", list.bit()));
+    source.slots.push("front/append".to_owned());
+}
+
+fn tiles_to(source: &mut PassSource) {
+    source.bindings.push(write("tiles", Element::AtomicU32));
+    source.constants.push(("TILE", Constant::Count(TILE as u32)));
 }
 
 impl CurvePasses {
-    /// The pass of enthalpies, which lists what melts after it.
-    pub fn noted_enthalpy(self) -> PassSource {
-        let mut source = self.enthalpy();
-        source.slots.retain(|slot| slot != NOT_NOTED);
-        self.note(&mut source, false);
-        source
-    }
-
-    /// Lists what melts.
-    pub fn find_fronts(self) -> PassSource {
-        let mut source = PassSource {
-            pass: "front_find",
-            real: self.precision.real(),
-            workgroup_size: self.workgroup_size,
-            constants: vec![],
-            bindings: vec![block("step_size", &STEP_SIZE), read("content", value(self.precision))],
-            slots: arithmetic(self.precision).map(str::to_owned).into(),
-            generated: String::new(),
-        };
-        self.note(&mut source, self.each);
-        source
-    }
-
-    fn note(self, source: &mut PassSource, each: bool) {
-        source.bindings.extend(of_fronts(each));
-        source.bindings.push(write("appended", Element::AtomicU32));
-        source.constants.push(("TILE", Constant::Count(TILE as u32)));
-        source.constants.push(("APPENDED", Listed::Melting.bit()));
-        let of_place = if self.each { "front/each" } else { "front/one" };
-        let slots = ["front/melting", of_place, "front/append", "front/noted"];
-        source.slots.extend(slots.map(str::to_owned));
-    }
-
-    /// How many workgroups of other passes go through a list.
+    /// How many workgroups of other passes go through a list. It is a single invocation itself; its `WORKGROUP_SIZE`
+    /// is theirs.
     pub fn front_size(self) -> PassSource {
         PassSource {
             pass: "front_size",
@@ -155,7 +138,6 @@ impl CurvePasses {
             constants: vec![
                 ("TILE", Constant::Count(TILE as u32)),
                 ("MOST_WORKGROUPS", Constant::Count(MOST_WORKGROUPS)),
-                ("NO_SLOT", Constant::Count(NO_SLOT)),
             ],
             bindings: vec![
                 read("listed", Element::U32),
@@ -168,9 +150,6 @@ impl CurvePasses {
     }
 }
 
-/// The slot of passes on enthalpies that list nothing.
-pub(super) const NOT_NOTED: &str = "front/not_noted";
-
 /// Where what melts is, on the device.
 #[derive(Debug)]
 pub(super) struct DeviceFronts {
@@ -180,8 +159,6 @@ pub(super) struct DeviceFronts {
     table: Buffer,
     /// Only of a state in one part.
     lists: Option<Lists>,
-    /// Whether places melt as their material does, or all alike.
-    pub(super) each: bool,
 }
 
 /// The lists of tiles, which begin with how many are in it, and the workgroups that go through each.
@@ -191,14 +168,6 @@ struct Lists {
     near: Buffer,
     of_melting: Buffer,
     of_near: Buffer,
-}
-
-/// What passes of fronts read and write beside those of a step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FrontFields<'a> {
-    pub(super) fronts: &'a DeviceFronts,
-    /// The state.
-    pub(super) enthalpy: &'a Enthalpy,
 }
 
 impl DeviceFronts {
@@ -244,7 +213,6 @@ impl DeviceFronts {
             tiles: parts.iter().map(of_part).collect::<Result<_, _>>()?,
             table: device.storage_with("fronts", &precision.real().to_bytes(&table))?,
             lists,
-            each,
         }))
     }
 
@@ -276,9 +244,29 @@ impl DeviceFronts {
     }
 
     /// The buffers of a pass that lists what melts, after its own; `None` without lists.
-    pub(super) fn noted(&self) -> Option<[&Buffer; 3]> {
+    pub(super) fn noted(&self) -> Option<[&Buffer; 2]> {
         let lists = self.lists.as_ref()?;
-        Some([&self.tiles[0], &self.table, &lists.melting])
+        Some([&self.tiles[0], &lists.melting])
+    }
+
+    /// The buffers of a pass on part `k` of the state, after those of enthalpies; `curve_of` says which curve each
+    /// place has, where they have different ones.
+    pub(super) fn buffers<'a>(
+        &'a self,
+        makes: FrontMakes,
+        k: usize,
+        curve_of: Option<&'a Buffer>,
+    ) -> Vec<&'a Buffer> {
+        let Some(lists) = &self.lists else {
+            return vec![&self.table, &self.tiles[k]];
+        };
+        match makes {
+            FrontMakes::Near => {
+                let buffers = [&self.table, &lists.melting].into_iter().chain(curve_of);
+                buffers.chain([&self.tiles[k], &lists.near]).collect()
+            }
+            FrontMakes::Flows => vec![&self.table, &lists.near],
+        }
     }
 
     /// Bytes on the device.
@@ -301,26 +289,5 @@ impl Lists {
             of_melting: workgroups()?,
             of_near: workgroups()?,
         })
-    }
-}
-
-impl<'a> FrontFields<'a> {
-    /// The buffers of a pass on part `k` of the state, after those of a step; `beside` are the parts that its
-    /// stencils reach, where the state is in parts.
-    pub(super) fn buffers(
-        &self,
-        makes: FrontMakes,
-        k: usize,
-        beside: Option<[usize; 2]>,
-    ) -> impl Iterator<Item = &'a Buffer> {
-        let Self { fronts, enthalpy } = *self;
-        let contents = [k].into_iter().chain(beside.into_iter().flatten());
-        let contents = contents.map(|part| &enthalpy.parts[part]);
-        let curve_of = enthalpy.curve().get(1).filter(|_| fronts.each);
-        let lists = fronts.lists.iter().flat_map(move |lists| match makes {
-            FrontMakes::Near => vec![&lists.melting, &lists.near],
-            FrontMakes::Flows => vec![&lists.near],
-        });
-        contents.chain([&fronts.tiles[k], &fronts.table]).chain(curve_of).chain(lists)
     }
 }

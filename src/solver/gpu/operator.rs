@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::fronts::{FrontFields, FrontMakes};
+use super::enthalpy::HeatFields;
+use super::fronts::{DeviceFronts, FrontMakes};
 use super::lattice::Lattice;
 use super::list::{Chunk, List};
 use super::passes::{Choices, EXCEPTION_BYTES};
@@ -49,6 +50,8 @@ pub(super) struct Fields<'a> {
     pub(super) step_size: &'a Buffer,
     /// Only of a combination.
     pub(super) combination: Option<Combination<'a>>,
+    /// Only of a step of enthalpies.
+    pub(super) heat: Option<HeatFields<'a>>,
 }
 
 /// What a combination reads and writes besides.
@@ -121,40 +124,64 @@ impl Operator {
         }
     }
 
-    /// The passes that change of an explicit Euler step what fronts do, in order.
+    /// The passes of an explicit Euler step that find where fronts may change it, before the step, or that change
+    /// it, after it. There are none where nothing melts at one temperature.
     pub(super) fn front_passes(
         &self,
         device: &Device,
+        makes: FrontMakes,
         fields: &Fields<'_>,
-        front: &FrontFields<'_>,
+    ) -> Result<Vec<Pass>, GpuError> {
+        let Some((heat, fronts)) = fields.heat.and_then(|heat| Some((heat, heat.fronts?))) else {
+            return Ok(Vec::new());
+        };
+        let curves = heat.enthalpy.sources();
+        let size = |makes| fronts.size(device, curves, makes);
+        let mut passes = Vec::new();
+        if makes == FrontMakes::Near {
+            passes.extend(size(FrontMakes::Near)?);
+        }
+        passes.extend(self.passes_of_front(device, makes, fields, heat, fronts)?);
+        if makes == FrontMakes::Near {
+            // A step fills the list again that this empties.
+            passes.extend(size(FrontMakes::Flows)?);
+        }
+        Ok(passes)
+    }
+
+    /// Those of these that go through places.
+    fn passes_of_front(
+        &self,
+        device: &Device,
+        makes: FrontMakes,
+        fields: &Fields<'_>,
+        heat: HeatFields<'_>,
+        fronts: &DeviceFronts,
     ) -> Result<Vec<Pass>, GpuError> {
         let rows: Vec<(u64, Vec<&Buffer>)> = match self {
             Self::List { list, .. } => {
                 list.chunks.iter().map(|chunk| (chunk.row_count(), chunk.of_sums(list))).collect()
             }
             Self::Search { search, .. } => vec![(search.row_count(), search.of_sums())],
-            Self::Lattice(lattice) => return lattice.front_passes(device, fields, front),
+            Self::Lattice(lattice) => {
+                return lattice.front_passes(device, makes, fields, heat, fronts);
+            }
         };
         let (Self::List { choices, .. } | Self::Search { choices, .. }) = self else {
             return Ok(Vec::new());
         };
-        let mut passes = Vec::new();
-        for &makes in FrontMakes::of(false) {
-            passes.extend(front.fronts.size(device, front.enthalpy.sources(), makes)?);
-            let source = choices.front(front.fronts.each, makes);
-            for (count, of_sums) in &rows {
-                let mut buffers = of_sums.clone();
-                buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
-                buffers.extend(fields.exchange);
-                buffers.extend(front.buffers(makes, 0, None));
-                let pass = device.pass(&source, &buffers, *count)?;
-                passes.push(match front.fronts.workgroups(makes) {
-                    Some(workgroups) => pass.with_workgroups(workgroups),
-                    None => pass,
-                });
-            }
-        }
-        Ok(passes)
+        let source = choices.front(heat.enthalpy.sources(), makes);
+        let pass = |(count, mut buffers): (u64, Vec<_>)| {
+            buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
+            buffers.extend(fields.exchange);
+            buffers.extend(heat.of_front(fronts, makes, 0, None));
+            let pass = device.pass(&source, &buffers, count)?;
+            Ok(match fronts.workgroups(makes) {
+                Some(workgroups) => pass.with_workgroups(workgroups),
+                None => pass,
+            })
+        };
+        rows.into_iter().map(pass).collect()
     }
 
     /// The places where more than a stencil acts, ascending.
@@ -187,12 +214,16 @@ fn row_passes<'a>(
     buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
     buffers.extend(fields.exchange);
     buffers.extend(fields.sources());
-    let source = match makes {
+    let mut source = match makes {
         Makes::Rate => choices.rate(),
         Makes::Step => choices.step(),
         Makes::Combination => choices.combine(),
         Makes::Diagonal => choices.diagonal(),
     };
+    if let Some(heat) = &fields.heat {
+        heat.end_step(&mut source);
+        buffers.extend(heat.of_step(0));
+    }
     let Some(Combination { factors, given_before, given, exception }) = fields.combination else {
         return Ok(vec![device.pass(&source, &buffers, rows)?]);
     };

@@ -12,6 +12,9 @@ pub(super) const WHOLE: &str = "state/whole";
 /// The slot of a state in parts.
 pub(super) const SPLIT: &str = "lattice/split";
 
+/// The end of a step whose state is what the operator acts on.
+pub(super) const STATE_END: &str = "end/state";
+
 /// Rows of a slice of the neighbour list: the invocations that most GPUs run in step.
 pub const SLICE_ROWS: u32 = 32;
 

@@ -1,7 +1,7 @@
 //! Where materials meet of which one's conductivity depends on temperature, or which melts, on the device.
 
 use super::curve_passes::SeamPasses;
-use super::enthalpy::{Curves, Enthalpy};
+use super::enthalpy::{Curves, Enthalpy, HeatFields};
 use super::passes::NO_SLOT;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::operator::Seams;
@@ -24,6 +24,8 @@ pub(super) struct SeamFields<'a> {
     pub(super) step_size: &'a Buffer,
     /// The state.
     pub(super) enthalpy: &'a Enthalpy,
+    /// In which of its two places that is.
+    pub(super) from: usize,
     /// What is added to.
     pub(super) after: &'a Buffer,
 }
@@ -72,15 +74,23 @@ impl DeviceSeams {
         Ok(Some(Self { passes, rows: rows.len() as u64, buffers }))
     }
 
-    /// Adds to a step of potentials what the matrix is short of; held particles give to `exchange`.
+    /// Adds to a step of enthalpies what the matrix is short of; held particles give to `exchange`.
     pub(super) fn step(
         &self,
         device: &Device,
-        fields: SeamFields<'_>,
+        step_size: &Buffer,
+        heat: HeatFields<'_>,
+        after: &Buffer,
         exchange: Option<&Buffer>,
     ) -> Result<Pass, GpuError> {
+        let HeatFields { enthalpy, from, .. } = heat;
+        let noted = heat.noted();
+        let source = self.passes.step(noted.is_some());
+        let content_after = &enthalpy.parts(1 - from)[0];
+        let more = [content_after].into_iter().chain(noted.into_iter().flatten());
         let exchange = exchange.into_iter().filter(|_| self.passes.held);
-        self.pass(device, &self.passes.step(), fields, exchange)
+        let fields = SeamFields { step_size, enthalpy, from, after };
+        self.pass(device, &source, fields, more.chain(exchange))
     }
 
     /// Adds the same to rates a reference step.
@@ -123,12 +133,12 @@ impl DeviceSeams {
         fields: SeamFields<'a>,
         more: impl IntoIterator<Item = &'a Buffer>,
     ) -> Result<Pass, GpuError> {
-        let SeamFields { step_size, enthalpy, after } = fields;
+        let SeamFields { step_size, enthalpy, from, after } = fields;
         let mut buffers = vec![step_size];
         buffers.extend(enthalpy.curve());
         buffers.extend(&self.buffers);
         // Only a state in one part has several curves.
-        buffers.extend([&enthalpy.parts[0], after]);
+        buffers.extend([&enthalpy.parts(from)[0], after]);
         buffers.extend(more);
         device.pass(source, &buffers, self.rows)
     }

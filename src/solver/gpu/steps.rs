@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::enthalpy::{Curves, Enthalpy};
-use super::fronts::{DeviceFronts, FrontFields};
+use super::enthalpy::{Curves, Enthalpy, HeatFields};
+use super::fronts::{DeviceFronts, FrontMakes};
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
 use super::seams::{DeviceSeams, SeamFields};
@@ -33,14 +33,14 @@ pub(super) struct Steps {
     state: [Vec<Buffer>; 2],
     /// Which of the two holds the present state.
     current: usize,
-    /// The state, only where `state` has its potentials.
+    /// The state, in the same two places, only where `state` has its potentials.
     enthalpy: Option<Enthalpy>,
     /// Where materials meet of which one has a curve.
     seams: Option<DeviceSeams>,
     /// Where something melts at one temperature.
     fronts: Option<DeviceFronts>,
-    /// Lists what melts, since others than steps may have changed the state.
-    find_fronts: Option<Pass>,
+    /// Lists what melts, since others than steps may have changed the state; by which state that is.
+    find_fronts: [Option<Pass>; 2],
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -87,6 +87,8 @@ impl Steps {
         let step_size = device.block("step size", &STEP_SIZE.contents(real, [0], [0.0]))?;
         let flag = device.storage("flag", 4)?;
         let step_from = |from: usize| {
+            let fronts = fronts.as_ref();
+            let heat = enthalpy.as_ref().map(|enthalpy| HeatFields { enthalpy, from, fronts });
             let fields = Fields {
                 from: &state[from],
                 to: &state[1 - from],
@@ -94,25 +96,14 @@ impl Steps {
                 walls: walls.as_ref().map(WallSlots::buffers),
                 step_size: &step_size,
                 combination: None,
+                heat,
             };
-            let mut passes = operator.passes(device, Makes::Step, &fields)?;
-            if let (Some(enthalpy), Some(fronts)) = (&enthalpy, &fronts) {
-                let front = FrontFields { fronts, enthalpy };
-                passes.extend(operator.front_passes(device, &fields, &front)?);
-            }
-            if let (Some(enthalpy), Some(seams)) = (&enthalpy, &seams) {
+            let mut passes = operator.front_passes(device, FrontMakes::Near, &fields)?;
+            passes.extend(operator.passes(device, Makes::Step, &fields)?);
+            passes.extend(operator.front_passes(device, FrontMakes::Flows, &fields)?);
+            if let (Some(heat), Some(seams)) = (heat, &seams) {
                 let after = &state[1 - from][0];
-                let fields = SeamFields { step_size: &step_size, enthalpy, after };
-                passes.push(seams.step(device, fields, exchange.as_ref())?);
-            }
-            if let Some(enthalpy) = &enthalpy {
-                passes.extend(enthalpy.passes(
-                    device,
-                    &step_size,
-                    &state[from],
-                    &state[1 - from],
-                    fronts.as_ref(),
-                )?);
+                passes.push(seams.step(device, &step_size, heat, after, exchange.as_ref())?);
             }
             Ok::<_, GpuError>(passes)
         };
@@ -123,7 +114,8 @@ impl Steps {
                 device.pass(&finite, &[&step_size, part, &flag], values)
             };
             // What a potential is not known of need not be infinite.
-            let content = enthalpy.as_ref().map_or(&state[from], |enthalpy| &enthalpy.parts);
+            let content =
+                enthalpy.as_ref().map_or(&state[from][..], |enthalpy| enthalpy.parts(from));
             content.iter().map(of_part).collect()
         };
         let still = still(precision, operator.workgroup_size());
@@ -134,10 +126,13 @@ impl Steps {
         };
         let still = parts.map(of_part).collect::<Result<_, _>>()?;
         let step = [step_from(0)?, step_from(1)?];
-        let find_fronts = match (&enthalpy, &fronts) {
-            (Some(enthalpy), Some(fronts)) => enthalpy.find_fronts(device, &step_size, fronts)?,
-            _ => None,
+        let find_fronts = |from: usize| match (&enthalpy, &fronts) {
+            (Some(enthalpy), Some(fronts)) => {
+                enthalpy.find_fronts(device, &step_size, from, fronts)
+            }
+            _ => Ok(None),
         };
+        let find_fronts = [find_fronts(0)?, find_fronts(1)?];
         Ok(Self {
             precision,
             finite: [finite_of(0)?, finite_of(1)?],
@@ -173,7 +168,7 @@ impl Steps {
             device.write(&self.step_size, &contents)?;
             self.over_reference = Some(over_reference);
         }
-        if let Some(find) = &self.find_fronts {
+        if let Some(find) = &self.find_fronts[self.current] {
             device.submit([find])?;
         }
         let mut remaining = count;
@@ -196,7 +191,7 @@ impl Steps {
 
     /// The parts of the present state, whatever the operator acts on.
     pub(super) fn content(&self) -> &[Buffer] {
-        self.enthalpy.as_ref().map_or(self.state(), |enthalpy| &enthalpy.parts)
+        self.enthalpy.as_ref().map_or(self.state(), |enthalpy| enthalpy.parts(self.current))
     }
 
     /// The state, where it is not what the operator acts on.
@@ -210,7 +205,8 @@ impl Steps {
         after: &'a Buffer,
     ) -> Option<(&'a DeviceSeams, SeamFields<'a>)> {
         let (enthalpy, seams) = self.enthalpy.as_ref().zip(self.seams.as_ref())?;
-        Some((seams, SeamFields { step_size: &self.step_size, enthalpy, after }))
+        let (step_size, from) = (&self.step_size, self.current);
+        Some((seams, SeamFields { step_size, enthalpy, from, after }))
     }
 
     /// The parts of what the operator acts on.
@@ -272,6 +268,7 @@ impl Steps {
             walls: self.walls.as_ref().map(WallSlots::buffers),
             step_size: &self.step_size,
             combination: None,
+            heat: None,
         };
         let mut passes = operator.passes(device, Makes::Rate, &fields)?;
         if let Some((seams, fields)) = self.seams(&to[0]) {

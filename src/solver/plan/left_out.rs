@@ -72,7 +72,7 @@ impl Plan {
         }
         if !problem.has_curves() {
             let why = "nothing melts, and no conductivity depends on temperature";
-            leave("enthalpy", why, particles * 2 * machine.precision().state_bytes());
+            leave("enthalpy", why, particles * self.bytes_of_enthalpy());
         }
         if problem.time.end == 0.0 {
             leave("time steps", "the simulated time is 0", 0);

@@ -111,6 +111,13 @@ impl Plan {
         fed * ((8 + steps) * precision.bytes() + 16)
     }
 
+    /// Bytes of the enthalpy of a particle: its own, on a GPU one more that a step writes, and the copy that a run
+    /// falls back to.
+    fn bytes_of_enthalpy(&self) -> u64 {
+        let states = if self.machine == MachineKind::Cpu { 2 } else { 3 };
+        states * self.machine.precision().state_bytes()
+    }
+
     /// Bytes of volume and properties by particle, which a list is built from and a search needs throughout.
     fn bytes_of_table(&self, problem: &Problem) -> u64 {
         let per_particle =
@@ -156,7 +163,8 @@ impl Plan {
             if Fronts::of(problem).is_some() {
                 passes.push("fronts");
             }
-            if problem.has_curves() {
+            // On a GPU the others do it.
+            if problem.has_curves() && self.machine == MachineKind::Cpu {
                 passes.push("enthalpy");
             }
         }
@@ -207,8 +215,8 @@ impl Plan {
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         };
-        // An enthalpy, and the copy of it that a run falls back to; which curve each follows, where they differ.
-        let of_enthalpy = if problem.has_curves() { 2 * state } else { 0 };
+        // Which curve each follows, where they differ.
+        let of_enthalpy = if problem.has_curves() { self.bytes_of_enthalpy() } else { 0 };
         let of_curves = if problem.has_one_curve() { 0 } else { 4 };
         // On a GPU a word of every tile, and two lists of tiles, where fronts may come by.
         let has_tiles = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();

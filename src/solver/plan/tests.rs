@@ -17,7 +17,7 @@ fn a_plain_scene_leaves_everything_out() {
         ("nearest images", 0),
         ("wall fold", 0),
         ("exchange of held particles", 512),
-        ("enthalpy", 512),
+        ("enthalpy", 768),
     ];
     assert_eq!(what(&problem, MachineKind::Gpu(Precision::F32)), expected);
 }

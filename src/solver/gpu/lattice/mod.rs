@@ -9,7 +9,8 @@ mod source;
 use std::ops::Range;
 
 use super::GpuOptions;
-use super::fronts::{FrontFields, FrontMakes};
+use super::enthalpy::HeatFields;
+use super::fronts::{DeviceFronts, FrontMakes};
 use super::operator::{Fields, Makes};
 use super::passes::{NO_SLOT, WallTerms};
 use crate::gpu::{Buffer, Device, GpuError, Pass, Real};
@@ -145,42 +146,48 @@ impl Lattice {
     ) -> Result<Vec<Pass>, GpuError> {
         let mut passes = Vec::new();
         for &sites in self.source.sites_of(makes) {
-            let source = self.source.pass(sites, makes);
+            let mut source = self.source.pass(sites, makes);
+            if let Some(heat) = &fields.heat {
+                heat.end_step(&mut source);
+            }
             for (k, threads) in self.threads(sites) {
-                let buffers = self.buffers(k, sites, makes, fields);
+                let mut buffers = self.buffers(k, sites, makes, fields);
+                buffers.extend(fields.heat.iter().flat_map(|heat| heat.of_step(k)));
                 passes.push(device.pass(&source, &buffers, threads)?);
             }
         }
         Ok(passes)
     }
 
-    /// The passes that change of an explicit Euler step what fronts do, in order.
+    /// The passes of an explicit Euler step that make of `fronts` what `makes` says, in order.
     pub(super) fn front_passes(
         &self,
         device: &Device,
+        makes: FrontMakes,
         fields: &Fields<'_>,
-        front: &FrontFields<'_>,
+        heat: HeatFields<'_>,
+        fronts: &DeviceFronts,
     ) -> Result<Vec<Pass>, GpuError> {
         let fields = Fields { walls: None, ..*fields };
         let mut passes = Vec::new();
-        for &makes in FrontMakes::of(self.source.is_split) {
-            passes.extend(front.fronts.size(device, front.enthalpy.sources(), makes)?);
-            // Exceptions without rows of their own have the neighbours of the stencil. They come first, since the others
-            // take tiles off their list.
-            let has_exceptions = makes == FrontMakes::Flows || self.source.rows;
-            let exceptions = has_exceptions.then_some(Sites::Exceptions);
-            for sites in exceptions.into_iter().chain([Sites::All]) {
-                let source = self.source.front(sites, makes);
-                for (k, threads) in self.threads(sites) {
-                    let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
-                    let beside = self.source.is_split.then_some(self.parts[k].beside);
-                    buffers.extend(front.buffers(makes, k, beside));
-                    let pass = device.pass(&source, &buffers, threads)?;
-                    passes.push(match front.fronts.workgroups(makes) {
-                        Some(workgroups) if sites == Sites::All => pass.with_workgroups(workgroups),
-                        _ => pass,
-                    });
-                }
+        if !FrontMakes::of(self.source.is_split).contains(&makes) {
+            return Ok(passes);
+        }
+        // Exceptions without rows of their own have the neighbours of the stencil. They come first, since the others
+        // take tiles off their list.
+        let has_exceptions = makes == FrontMakes::Flows || self.source.rows;
+        let exceptions = has_exceptions.then_some(Sites::Exceptions);
+        for sites in exceptions.into_iter().chain([Sites::All]) {
+            let source = self.source.front(sites, heat.enthalpy.sources(), makes);
+            for (k, threads) in self.threads(sites) {
+                let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
+                let beside = self.source.is_split.then_some(self.parts[k].beside);
+                buffers.extend(heat.of_front(fronts, makes, k, beside));
+                let pass = device.pass(&source, &buffers, threads)?;
+                passes.push(match fronts.workgroups(makes) {
+                    Some(workgroups) if sites == Sites::All => pass.with_workgroups(workgroups),
+                    _ => pass,
+                });
             }
         }
         Ok(passes)

@@ -5,11 +5,12 @@ use std::fmt::Write;
 use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource, Real};
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
+use crate::solver::gpu::curve_passes::CurvePasses;
 use crate::solver::gpu::fronts::FrontMakes;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
-    COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, SPLIT, STEP_SIZE, WHOLE, WallTerms, arithmetic,
-    block, given, read, value, write,
+    COMBINATION, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, SPLIT, STATE_END, STEP_SIZE, WHOLE, WallTerms,
+    arithmetic, block, given, read, value, write,
 };
 
 /// A part of the sites, those before and behind it that its stencils reach, and its exceptions.
@@ -78,10 +79,21 @@ impl StencilSource {
         let all = [Sites::All, Sites::Exceptions].into_iter().flat_map(of);
         let diagonals =
             self.sites_of(Makes::Diagonal).iter().map(|&s| self.pass(s, Makes::Diagonal));
-        let fronts = [Sites::All, Sites::Exceptions].into_iter().flat_map(|sites| {
-            FrontMakes::of(self.is_split).iter().map(move |&makes| self.front(sites, makes))
+        let Self { precision, workgroup_size, .. } = *self;
+        let curves = CurvePasses { precision, workgroup_size, each: false };
+        let of_curves = [Sites::All, Sites::Exceptions].into_iter().flat_map(|sites| {
+            let step = |noted| {
+                let mut source = self.pass(sites, Makes::Step);
+                curves.end_step(&mut source, noted);
+                source
+            };
+            let front = move |&makes: &FrontMakes| self.front(sites, curves, makes);
+            [false, true]
+                .map(step)
+                .into_iter()
+                .chain(FrontMakes::of(self.is_split).iter().map(front))
         });
-        all.chain(diagonals).chain(fronts).collect()
+        all.chain(diagonals).chain(of_curves).collect()
     }
 
     /// The sites that have passes of their own, in order. Of what acts beside the stencil only stored rows change
@@ -135,6 +147,9 @@ impl StencilSource {
                 slots.push("vector/given");
             }
         }
+        if makes == Makes::Step {
+            slots.push(STATE_END);
+        }
         let pass = match (sites, makes) {
             (Sites::All, Makes::Step) => "lattice_step",
             (Sites::All, Makes::Rate | Makes::Diagonal) => "lattice_rate",
@@ -156,14 +171,14 @@ impl StencilSource {
     }
 
     /// What fronts change of a step of some sites of a part, or the tiles where they may.
-    pub(super) fn front(&self, sites: Sites, makes: FrontMakes) -> PassSource {
+    pub(super) fn front(&self, sites: Sites, curves: CurvePasses, makes: FrontMakes) -> PassSource {
         let free_of_walls = Self { walls: WallTerms::None, ..self.clone() };
         let mut source = free_of_walls.pass(sites, Makes::Step);
         source.pass = match sites {
             Sites::All => "lattice_front",
             Sites::Exceptions => "exception_front",
         };
-        makes.add_to(&mut source, self.precision, false, self.is_split);
+        makes.add_to(&mut source, curves, self.is_split);
         source
     }
 

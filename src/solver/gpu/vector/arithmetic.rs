@@ -98,6 +98,7 @@ impl Operations<'_> {
             walls: self.steps.walls().map(WallSlots::buffers),
             step_size: self.steps.step_size(),
             combination: None,
+            heat: None,
         };
         self.device.submit(&self.operator.passes(self.device, Makes::Diagonal, &fields)?)?;
         if let (Operator::Lattice(lattice), Some(slots)) = (self.operator, self.steps.walls()) {
@@ -135,13 +136,21 @@ impl Operations<'_> {
         let (tools, steps, precision) = (&mut *self.tools, &*self.steps, self.operator.precision());
         let key = (Operation::Add(steps.current()), vec![x.number]);
         tools.queue.run(self.device, key, || {
-            let source = update(precision, 2);
-            let state = steps.state().iter().zip(steps.next());
-            let pass = |((now, next), x): ((&Buffer, &Buffer), &Buffer)| {
-                let buffers = [steps.step_size(), &tools.update, next, now, x];
-                self.device.pass(&source, &buffers, precision.values_in(now))
+            let mut passes: Vec<Pass> = match steps.enthalpy() {
+                None => {
+                    let source = update(precision, 2);
+                    let state = steps.state().iter().zip(steps.next());
+                    let pass = |((now, next), x): ((&Buffer, &Buffer), &Buffer)| {
+                        let buffers = [steps.step_size(), &tools.update, next, now, x];
+                        self.device.pass(&source, &buffers, precision.values_in(now))
+                    };
+                    state.zip(&x.parts).map(pass).collect::<Result<_, _>>()?
+                }
+                Some(enthalpy) => {
+                    let (step_size, from) = (steps.step_size(), steps.current());
+                    enthalpy.add(self.device, step_size, from, &x.parts, steps.next())?
+                }
             };
-            let sums = state.zip(&x.parts).map(pass);
             let give = |total: Option<&Buffer>, first, places: Vec<u32>| {
                 total.map(|total| give_to(self.device, precision, steps, x, total, first, &places))
             };
@@ -151,17 +160,6 @@ impl Operations<'_> {
             let slots = (0..self.scene.entries().1 as u32).map(|slot| 4 * slot + 2);
             let walls = steps.walls().map(|walls| &walls.wall);
             let walls = give(walls, self.held.len() as u32, slots.collect());
-            let mut passes: Vec<Pass> = sums.collect::<Result<_, _>>()?;
-            if let Some(enthalpy) = steps.enthalpy() {
-                let (before, after) = (steps.state(), steps.next());
-                passes.extend(enthalpy.passes(
-                    self.device,
-                    steps.step_size(),
-                    before,
-                    after,
-                    None,
-                )?);
-            }
             for given in held.into_iter().chain(walls) {
                 passes.push(given?);
             }

@@ -33,7 +33,7 @@ impl Operations<'_> {
         let Some((seams, fields)) = steps.seams(&out.parts[0]) else {
             return Ok(());
         };
-        let key = (Operation::SeamChange, vec![out.number, x.number]);
+        let key = (Operation::SeamChange(steps.current()), vec![out.number, x.number]);
         tools.queue.run(self.device, key, || {
             let more = [&tools.combination, &out.given, &x.parts[0]];
             Ok(vec![seams.change(self.device, fields, more)?])
@@ -51,13 +51,13 @@ impl Operations<'_> {
 
     fn on_curve(
         &mut self,
-        operation: Operation,
+        operation: fn(usize) -> Operation,
         source: fn(CurvePasses) -> PassSource,
         x: &GpuVector,
         out: &mut GpuVector,
     ) -> Result<(), GpuError> {
         let (tools, steps, precision) = (&mut *self.tools, &*self.steps, self.operator.precision());
-        let key = (operation, vec![out.number, x.number]);
+        let key = (operation(steps.current()), vec![out.number, x.number]);
         let Some(enthalpy) = steps.enthalpy() else {
             return Ok(());
         };
@@ -69,7 +69,7 @@ impl Operations<'_> {
                 buffers.extend([content, x, out]);
                 self.device.pass(&source, &buffers, precision.values_in(out))
             };
-            enthalpy.parts.iter().zip(&x.parts).zip(&out.parts).map(pass).collect()
+            steps.content().iter().zip(&x.parts).zip(&out.parts).map(pass).collect()
         })
     }
 

@@ -71,6 +71,7 @@ impl Operations<'_> {
                     given: &out.given,
                     exception: &tools.exception,
                 }),
+                heat: None,
             };
             let mut passes = self.operator.passes(self.device, Makes::Combination, &fields)?;
             if let Some((seams, fields)) = steps.seams(&out.parts[0]) {
@@ -106,6 +107,7 @@ impl Operations<'_> {
                     given: &out.given,
                     exception: &tools.exception,
                 }),
+                heat: None,
             };
             self.operator.passes(self.device, Makes::Combination, &fields)
         })

@@ -22,3 +22,6 @@ fn begin(place: u32) -> bool {
     append(place / TILE);
     return true;
 }
+
+// Nothing flows yet.
+fn correct(i: u32, increment: real) {}
