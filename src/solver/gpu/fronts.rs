@@ -18,8 +18,9 @@ use crate::solver::Precision;
 use crate::solver::precision::two_words;
 
 /// Places of a tile. A word of it has a bit for each, set where more than the stencil of a lattice acts, and one for
-/// each list that it may be in.
-pub const TILE: usize = 4;
+/// each list that it may be in. Of larger tiles more places would be gone through beside a front that crosses them, of
+/// smaller ones there would be more to list.
+pub const TILE: usize = 2;
 
 /// Most workgroups along an axis of a dispatch that every device can do.
 const MOST_WORKGROUPS: u32 = 65_535;
