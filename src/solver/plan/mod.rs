@@ -199,6 +199,7 @@ impl Plan {
         let particles = problem.particles.len() as u64;
         let precision = self.machine.precision();
         let (real, state) = (precision.bytes(), precision.state_bytes());
+        let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
         let of_operator = match self.path {
             // Two states and the saved one; order and start, or length, of each row.
             Path::List => entries * (4 + real) + particles * (3 * state + 8),
@@ -208,7 +209,6 @@ impl Plan {
                     + self.bytes_of_table(problem)
             }
             Path::Lattice | Path::Mixed => {
-                let sites = self.mixed.map_or(particles, |mixed| mixed.sites);
                 // A device has a byte for the kind of each site.
                 let kind = u64::from(self.path == Path::Mixed && self.machine != MachineKind::Cpu);
                 let by_site = 3 * state + kind + if self.reorders { 4 } else { 0 };
@@ -220,8 +220,8 @@ impl Plan {
         let of_curves = if problem.has_one_curve() { 0 } else { 4 };
         // On a GPU a word of every tile, and two lists of tiles, where fronts may come by.
         let has_tiles = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();
-        let of_fronts = if has_tiles { 3 * 4 * particles.div_ceil(gpu::TILE as u64) } else { 0 };
-        let enthalpy = particles * (of_enthalpy + of_curves) + of_fronts;
+        let of_fronts = if has_tiles { 3 * 4 * sites.div_ceil(gpu::TILE as u64) } else { 0 };
+        let enthalpy = sites * (of_enthalpy + of_curves) + of_fronts;
         of_operator + enthalpy + self.bytes_of_sources(problem)
     }
 
