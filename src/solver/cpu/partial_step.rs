@@ -30,8 +30,7 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     /// The places, and their enthalpies, which are up to date unless potentials tell them.
     places: Range<usize>,
     enthalpies: &'a mut [f64],
-    /// So many have had their rates, and so many have been taken on.
-    known: usize,
+    /// So many have been taken on.
     done: usize,
     seams: Option<SeamStep<'a>>,
     fronts: Queue,
@@ -121,7 +120,6 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             before,
             places,
             enthalpies,
-            known: 0,
             done: 0,
             seams,
             fronts,
@@ -146,7 +144,6 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         if let Some(seams) = &mut self.seams {
             self.given += seams.add(first + known, first, out);
         }
-        self.known = known;
         let mut ready = known;
         if let Some(fronts) = &scene.fronts {
             let seen = first + known;
