@@ -8,6 +8,7 @@ fn front_find(
 ) {
     let i = flat_index(group, groups, lane);
     if i < arrayLength(&content) {
-        note(i, segment_at(i, collapsed(content[i])));
+        let enthalpy = collapsed(content[i]);
+        note(i, segment_at(i, enthalpy), enthalpy);
     }
 }

@@ -74,8 +74,12 @@ impl Precision {
 
     /// The words of a state's value.
     pub(super) fn state_words(self, value: f64) -> impl Iterator<Item = f64> {
-        let words = if self.words() == 1 { [value, 0.0] } else { two_words(value) };
-        words.into_iter().take(self.words())
+        self.in_words(value).into_iter().take(self.words())
+    }
+
+    /// A number as the sum of two that shaders compute with: the first is as near as one comes to it.
+    pub(super) fn in_words(self, number: f64) -> [f64; 2] {
+        if self.words() == 1 { [number, 0.0] } else { two_words(number) }
     }
 
     /// The inverse of [`Precision::state_to_bytes`].

@@ -6,7 +6,6 @@ use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::material::Segment;
 use crate::model::{Conductivity, HeatCurve, Material, Problem};
 use crate::solver::Precision;
-use crate::solver::precision::two_words;
 
 /// The curves that enthalpies follow.
 #[derive(Debug)]
@@ -92,7 +91,7 @@ impl Enthalpy {
             .collect::<Result<Vec<_>, _>>()?;
         let empty = filled.iter().map(|part| device.storage("enthalpy", part.bytes()));
         let empty = empty.collect::<Result<_, _>>()?;
-        let contents = precision.real().to_bytes(&table(curves));
+        let contents = precision.real().to_bytes(&table(curves, precision));
         let mut curve = vec![device.storage_with("curve", &contents)?];
         if let Curves::Each { of, curves } = curves {
             let mut start = vec![0];
@@ -231,12 +230,12 @@ impl<'a> HeatFields<'a> {
 }
 
 /// Two vectors for each segment: see `shaders/curve/segments.wgsl`.
-fn table(curves: &Curves) -> Vec<f64> {
+fn table(curves: &Curves, precision: Precision) -> Vec<f64> {
     let scale = 1.0 / curves.largest_reference();
     let segments = |curve: &HeatCurve| {
         let of = |segment: &Segment| {
-            let [start, rest] = two_words(segment.start);
-            let [potential, of_potential] = two_words(segment.potential);
+            let [start, rest] = precision.in_words(segment.start);
+            let [potential, of_potential] = precision.in_words(segment.potential);
             let [conductivity, rise] = curve.conductivity_of(segment).map(|k| scale * k);
             let Segment { slope, bend, .. } = *segment;
             [start, rest, potential, of_potential, slope, bend, conductivity, rise]
