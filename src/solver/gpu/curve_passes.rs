@@ -45,6 +45,7 @@ impl CurvePasses {
         self.end(source, "end/correction", noted);
     }
 
+    /// Its buffers are those of `HeatFields::of_end`.
     fn end(self, source: &mut PassSource, end: &str, noted: bool) {
         source.bindings.push(write("content_after", value(self.precision)));
         source.bindings.extend(of_curves(self.each));

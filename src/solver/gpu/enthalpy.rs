@@ -140,7 +140,7 @@ impl Enthalpy {
             buffers.extend(&self.curve);
             buffers.extend([&self.parts[from][k], &change[k]]);
             buffers.extend([&self.parts[1 - from][k], &after[k]]);
-            device.pass(&source, &buffers, self.values_in(&after[k]))
+            device.pass(&source, &buffers, self.passes.precision.values_in(&after[k]))
         };
         (0..after.len()).map(of_part).collect()
     }
@@ -160,11 +160,9 @@ impl Enthalpy {
         buffers.extend(&self.curve);
         buffers.push(content);
         buffers.extend(noted);
-        device.pass(&self.passes.find_fronts(), &buffers, self.values_in(content)).map(Some)
-    }
-
-    fn values_in(&self, buffer: &Buffer) -> u64 {
-        buffer.bytes() / self.passes.precision.state_bytes()
+        device
+            .pass(&self.passes.find_fronts(), &buffers, self.passes.precision.values_in(content))
+            .map(Some)
     }
 
     /// Bytes on the device.
@@ -192,7 +190,7 @@ impl<'a> HeatFields<'a> {
     /// The buffers of such a pass on part `k` of the state, after those of a step of potentials.
     pub(super) fn of_step(&self, k: usize) -> Vec<&'a Buffer> {
         let mut buffers = vec![&self.enthalpy.parts[self.from][k]];
-        buffers.extend(self.of_correction(k));
+        buffers.extend(self.of_end(k));
         buffers
     }
 
@@ -210,13 +208,13 @@ impl<'a> HeatFields<'a> {
             contents.map(|part| &self.enthalpy.parts[self.from][part]).collect();
         buffers.extend(fronts.buffers(makes, k, self.enthalpy.curve.get(1)));
         if makes == FrontMakes::Flows {
-            buffers.extend(self.of_correction(k));
+            buffers.extend(self.of_end(k));
         }
         buffers
     }
 
-    /// The buffers of the end of a pass that adds to what a step has written.
-    fn of_correction(&self, k: usize) -> Vec<&'a Buffer> {
+    /// The buffers that the end of a pass of a step has, in the order of its bindings: see `CurvePasses::end`.
+    fn of_end(&self, k: usize) -> Vec<&'a Buffer> {
         let mut buffers = vec![&self.enthalpy.parts[1 - self.from][k]];
         buffers.extend(&self.enthalpy.curve);
         buffers.extend(self.noted().into_iter().flatten());

@@ -236,9 +236,12 @@ impl DeviceFronts {
         device.pass(&passes.front_size(), &buffers, 1).map(Some)
     }
 
-    /// The workgroups of a pass that goes through a list; `None` without lists.
-    pub(super) fn workgroups(&self, makes: FrontMakes) -> Option<&Buffer> {
-        self.lists.as_ref().map(|lists| match makes {
+    /// Has a pass go through its list, if there are lists.
+    pub(super) fn through_list(&self, pass: Pass, makes: FrontMakes) -> Pass {
+        let Some(lists) = &self.lists else {
+            return pass;
+        };
+        pass.with_workgroups(match makes {
             FrontMakes::Near => &lists.of_melting,
             FrontMakes::Flows => &lists.of_near,
         })

@@ -136,17 +136,14 @@ impl Operator {
             return Ok(Vec::new());
         };
         let curves = heat.enthalpy.sources();
+        let through_places = self.passes_of_front(device, makes, fields, heat, fronts)?;
+        if makes == FrontMakes::Flows {
+            return Ok(through_places);
+        }
         let size = |makes| fronts.size(device, curves, makes);
-        let mut passes = Vec::new();
-        if makes == FrontMakes::Near {
-            passes.extend(size(FrontMakes::Near)?);
-        }
-        passes.extend(self.passes_of_front(device, makes, fields, heat, fronts)?);
-        if makes == FrontMakes::Near {
-            // A step fills the list again that this empties.
-            passes.extend(size(FrontMakes::Flows)?);
-        }
-        Ok(passes)
+        // A step fills the list again that the last of these empties.
+        let [before, after] = [size(FrontMakes::Near)?, size(FrontMakes::Flows)?];
+        Ok(before.into_iter().chain(through_places).chain(after).collect())
     }
 
     /// Those of these that go through places.
@@ -158,17 +155,17 @@ impl Operator {
         heat: HeatFields<'_>,
         fronts: &DeviceFronts,
     ) -> Result<Vec<Pass>, GpuError> {
-        let rows: Vec<(u64, Vec<&Buffer>)> = match self {
-            Self::List { list, .. } => {
-                list.chunks.iter().map(|chunk| (chunk.row_count(), chunk.of_sums(list))).collect()
+        let (choices, rows): (_, Vec<(u64, Vec<&Buffer>)>) = match self {
+            Self::List { list, choices } => {
+                let chunks = list.chunks.iter();
+                (choices, chunks.map(|chunk| (chunk.row_count(), chunk.of_sums(list))).collect())
             }
-            Self::Search { search, .. } => vec![(search.row_count(), search.of_sums())],
+            Self::Search { search, choices } => {
+                (choices, vec![(search.row_count(), search.of_sums())])
+            }
             Self::Lattice(lattice) => {
                 return lattice.front_passes(device, makes, fields, heat, fronts);
             }
-        };
-        let (Self::List { choices, .. } | Self::Search { choices, .. }) = self else {
-            return Ok(Vec::new());
         };
         let source = choices.front(heat.enthalpy.sources(), makes);
         let pass = |(count, mut buffers): (u64, Vec<_>)| {
@@ -176,10 +173,7 @@ impl Operator {
             buffers.extend(fields.exchange);
             buffers.extend(heat.of_front(fronts, makes, 0, None));
             let pass = device.pass(&source, &buffers, count)?;
-            Ok(match fronts.workgroups(makes) {
-                Some(workgroups) => pass.with_workgroups(workgroups),
-                None => pass,
-            })
+            Ok(fronts.through_list(pass, makes))
         };
         rows.into_iter().map(pass).collect()
     }

@@ -1,6 +1,6 @@
 //! The passes of a scene: which shader files, constants and buffers make each.
 
-use crate::gpu::{Binding, BlockLayout, Constant, Element, Holds, PassSource};
+use crate::gpu::{Binding, BlockLayout, Buffer, Constant, Element, Holds, PassSource};
 use crate::model::operator::SourceRows;
 use crate::solver::Precision;
 
@@ -139,6 +139,13 @@ pub(super) fn value(precision: Precision) -> Element {
 /// The buffers of what the outside gave, before and after a combination.
 pub(super) fn given(precision: Precision) -> [Binding; 2] {
     [read("given_before", value(precision)), write("given", value(precision))]
+}
+
+impl Precision {
+    /// The values that a buffer of a state or a vector holds.
+    pub(super) fn values_in(self, buffer: &Buffer) -> u64 {
+        buffer.bytes() / self.state_bytes()
+    }
 }
 
 /// The shader files of a state and of sums that keep what rounding takes. Passes that name them bind

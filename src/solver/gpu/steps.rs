@@ -110,8 +110,7 @@ impl Steps {
         let finite = finite(precision, operator.workgroup_size());
         let finite_of = |from: usize| -> Result<Vec<Pass>, GpuError> {
             let of_part = |part: &Buffer| {
-                let values = part.bytes() / precision.state_bytes();
-                device.pass(&finite, &[&step_size, part, &flag], values)
+                device.pass(&finite, &[&step_size, part, &flag], precision.values_in(part))
             };
             // What a potential is not known of need not be infinite.
             let content =
@@ -121,8 +120,8 @@ impl Steps {
         let still = still(precision, operator.workgroup_size());
         let parts = state[0].iter().zip(&state[1]);
         let of_part = |(one, other): (&Buffer, &Buffer)| {
-            let values = one.bytes() / precision.state_bytes();
-            device.pass(&still, &[&step_size, one, other, &flag], values)
+            let buffers = [&step_size, one, other, &flag];
+            device.pass(&still, &buffers, precision.values_in(one))
         };
         let still = parts.map(of_part).collect::<Result<_, _>>()?;
         let step = [step_from(0)?, step_from(1)?];

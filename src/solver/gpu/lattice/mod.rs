@@ -184,9 +184,9 @@ impl Lattice {
                 let beside = self.source.is_split.then_some(self.parts[k].beside);
                 buffers.extend(heat.of_front(fronts, makes, k, beside));
                 let pass = device.pass(&source, &buffers, threads)?;
-                passes.push(match fronts.workgroups(makes) {
-                    Some(workgroups) if sites == Sites::All => pass.with_workgroups(workgroups),
-                    _ => pass,
+                passes.push(match sites {
+                    Sites::All => fronts.through_list(pass, makes),
+                    Sites::Exceptions => pass,
                 });
             }
         }

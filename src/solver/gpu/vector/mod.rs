@@ -22,7 +22,6 @@ use super::steps::Steps;
 use super::{GpuBackend, by_place};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::Problem;
-use crate::solver::Precision;
 
 use aggregates::Aggregates;
 
@@ -90,13 +89,6 @@ impl Capacities {
             Self::Same(volume) => *volume,
             Self::Each(capacities) => capacities.iter().copied().fold(0.0, f64::max),
         }
-    }
-}
-
-impl Precision {
-    /// The values that a buffer of a state or a vector holds.
-    fn values_in(self, buffer: &Buffer) -> u64 {
-        buffer.bytes() / self.state_bytes()
     }
 }
 

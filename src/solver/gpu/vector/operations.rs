@@ -136,7 +136,7 @@ impl Operations<'_> {
             let mut passes = Vec::new();
             let (mut first_place, mut first) = (0, 0);
             for part in &out.parts {
-                let end_place = first_place + (part.bytes() / precision.state_bytes()) as u32;
+                let end_place = first_place + precision.values_in(part) as u32;
                 let end = self.scene.exceptions.partition_point(|e| e[0] < end_place);
                 let places = [first_place, first as u32, end as u32];
                 let places = PLACES.contents(precision.real(), places, []);
