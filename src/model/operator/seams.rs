@@ -177,7 +177,7 @@ impl Seams {
 
     /// What the rate of a row is short of, where its neighbours are like `locals`, 1/s x K.
     #[inline]
-    pub fn rate(&self, row: usize, locals: &[Local]) -> f64 {
+    fn rate(&self, row: usize, locals: &[Local]) -> f64 {
         let own = &locals[row];
         let over_mean = &self.over_mean[usize::from(own.material) * self.materials.len()..];
         let short = |(&other, weight): (&u32, &f64)| {

@@ -66,8 +66,9 @@ impl<O: CpuOperator + ?Sized> WholeStep<'_, O> {
     ) -> f64 {
         let (scene, begun, enthalpies) = enthalpy.parts();
         let Begun { latent: before, at_seams: [locals, mut after] } = begun;
+        let count = out.len();
         let (mut first, mut row, mut rest) = (0, 0, &mut after[..]);
-        let mut tasks = Vec::with_capacity(out.len().div_ceil(self.task));
+        let mut tasks = Vec::with_capacity(count.div_ceil(self.task));
         for (out, enthalpies) in out.chunks_mut(self.task).zip(enthalpies.chunks_mut(self.task)) {
             let places = first..first + out.len();
             first = places.end;
@@ -79,7 +80,6 @@ impl<O: CpuOperator + ?Sized> WholeStep<'_, O> {
             });
             tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
         }
-        let count = first;
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
             let given = step(scratch, &mut task, out);
             let (by_held, latent) = task.finish();
@@ -140,18 +140,18 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
         let first = self.places.start;
         let WholeStep { operator, now, .. } = *self.all;
-        let (scene, latent) = (self.scene, self.before);
+        let (scene, before) = (self.scene, self.before);
         if let Some(seams) = &mut self.seams {
             self.given += seams.add(first + known, first, out);
         }
         let mut ready = known;
         if let Some(fronts) = &scene.fronts {
             let seen = first + known;
-            for which in self.fronts.next(latent, seen, known == out.len()) {
-                fronts.add(latent, which, operator, now, first, &mut out[..known]);
+            for which in self.fronts.next(before, seen, known == out.len()) {
+                fronts.add(before, which, operator, now, first, &mut out[..known]);
                 self.has_fronts = true;
             }
-            ready = self.fronts.untouched(latent, seen).saturating_sub(first).max(self.done);
+            ready = self.fronts.untouched(before, seen).saturating_sub(first).max(self.done);
         }
         if known < out.len() {
             // The rest with those that follow.
@@ -163,12 +163,12 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         }
         if ready > self.done {
             let (from, out) = (first + self.done, &mut out[self.done..ready]);
-            let latent = self.latent.places().len();
+            let latent_so_far = self.latent.places().len();
             match scene.curves.courses() {
                 Some(courses) => self.go_on(courses, from, out),
                 None => self.change(from, out),
             }
-            self.note_seams(latent, from, out);
+            self.note_seams(latent_so_far, from, out);
             self.done = ready;
         }
     }
@@ -176,12 +176,12 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     /// Takes places from `first` on a step further by their potentials.
     fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
         let WholeStep { operator, now, dt, .. } = *self.all;
-        let (curves, latent) = (&self.scene.curves, self.before);
+        let (curves, before) = (&self.scene.curves, self.before);
         let places = first..first + out.len();
         let now = &now[places.clone()];
-        let melting = take_below(latent.places(), &mut self.melting, places.end);
+        let melting = take_below(before.places(), &mut self.melting, places.end);
         let take = |which: usize| {
-            let (place, enthalpy) = latent.one(which);
+            let (place, enthalpy) = before.one(which);
             (place, enthalpy + dt * std::mem::take(&mut out[place - first]))
         };
         let mut changed: Vec<(usize, f64)> = melting.map(take).collect();
@@ -240,12 +240,12 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         let (latent, start, enthalpies) = (&self.latent, self.places.start, &*self.enthalpies);
         let Some(courses) = self.scene.curves.courses() else {
-            step.take_on(first + out.len(), |seams, row, place| {
+            step.note(first + out.len(), |seams, row, place| {
                 seams.local(row, enthalpies[place - start])
             });
             return;
         };
-        step.take_on(first + out.len(), |seams, row, place| {
+        step.note(first + out.len(), |seams, row, place| {
             from = seek(latent.places(), from, |&other| (other as usize) < place);
             match latent.places().get(from) {
                 Some(&other) if other as usize == place => {

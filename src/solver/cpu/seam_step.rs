@@ -12,13 +12,13 @@ pub(super) struct SeamStep<'a> {
     /// What those of these places are like after it, and the first of them.
     after: &'a mut [Local],
     first: usize,
-    /// The rows whose rates are still to be added to, and those whose particles are still to be taken on.
+    /// The rows whose rates are still to be added to, and those of which is still to be noted what they are like.
     to_add: Range<usize>,
-    to_take_on: Range<usize>,
+    to_note: Range<usize>,
 }
 
 impl<'a> SeamStep<'a> {
-    /// A step from `locals` of those rows, from `first` on, that `after` is for.
+    /// A step from `locals`, which are of all rows; `after` is for those from `first` on.
     pub(super) fn new(
         seams: &'a Seams,
         locals: &'a [Local],
@@ -26,7 +26,7 @@ impl<'a> SeamStep<'a> {
         after: &'a mut [Local],
     ) -> Self {
         let rows = first..first + after.len();
-        Self { seams, locals, after, first, to_add: rows.clone(), to_take_on: rows }
+        Self { seams, locals, after, first, to_add: rows.clone(), to_note: rows }
     }
 
     /// Adds what the matrix does not know of flows between materials to the rates of the next places up to `end`, which
@@ -39,12 +39,12 @@ impl<'a> SeamStep<'a> {
 
     /// Takes note of what the particles of the next places up to `end` are like after the step, which `local` tells
     /// of a row and its place.
-    pub(super) fn take_on(
+    pub(super) fn note(
         &mut self,
         end: usize,
         mut local: impl FnMut(&Seams, usize, usize) -> Local,
     ) {
-        for row in take_below(self.seams.places(), &mut self.to_take_on, end) {
+        for row in take_below(self.seams.places(), &mut self.to_note, end) {
             let place = self.seams.places()[row] as usize;
             self.after[row - self.first] = local(self.seams, row, place);
         }
