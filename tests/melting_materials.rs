@@ -10,7 +10,8 @@ mod fields;
 mod support;
 
 use diffusph::case::Scene;
-use diffusph::solver::{Machine, PathWish, Precision};
+use diffusph::solver::cpu::CpuBackend;
+use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use serde_json::{Value, json};
 
 use cases::load;
@@ -185,4 +186,24 @@ fn steps_of_potentials_do_what_steps_of_enthalpies_do() {
         let other = furthest(&by_potentials, &temperatures_with(&json!(3.1), path));
         assert!(other > 0.1, "another conductivity is noticed: {other:e}");
     }
+}
+
+#[test]
+fn a_look_between_steps_changes_nothing() {
+    let mut case = bars(&melting(), "euler");
+    case["materials"]["left"]["conductivity"] = json!(3);
+    // Liquid where they meet: there a potential tells its enthalpy only to rounding.
+    case["initial"] = json!([{ "value": "600 + 50*sin(7*x) - 300*step(x-0.6)" }]);
+    case["time"] = json!({ "end": 10, "method": "euler" });
+    let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
+    let after = |looks: &[u64]| {
+        let mut backend = CpuBackend::of(&scene.problem);
+        for &count in looks {
+            backend.euler(0.0, 5e-3, count).expect("steps");
+            backend.read().expect("a field");
+        }
+        backend.read().expect("a field")
+    };
+    assert_eq!(after(&[400]), after(&[1; 400]));
+    assert_ne!(after(&[400]), after(&[399]), "a step is noticed");
 }

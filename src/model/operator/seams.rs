@@ -168,9 +168,9 @@ impl Seams {
         Local { temperature, potential, term, material }
     }
 
-    /// What all of them are like, where `state` has the enthalpy of each place.
-    pub fn locals(&self, state: impl Fn(usize) -> f64 + Sync) -> Vec<Local> {
-        let local = |(row, &place): (usize, &u32)| self.local(row, state(place as usize));
+    /// What all of them are like, which `local` tells of a row and its place.
+    pub fn locals(&self, local: impl Fn(usize, usize) -> Local + Sync) -> Vec<Local> {
+        let local = |(row, &place): (usize, &u32)| local(row, place as usize);
         let places = self.places.par_iter().with_min_len(ROWS_OF_A_TASK);
         places.enumerate().map(local).collect()
     }

@@ -73,9 +73,14 @@ impl Enthalpy {
             return;
         }
         let latent = self.find_latent(now, operator);
-        let values = &self.values;
-        let locals = |seams: &Seams| seams.locals(|place| values[place]);
-        let locals = self.scene.seams.as_ref().map_or(Vec::new(), locals);
+        let Self { values, scene, .. } = &*self;
+        let locals = |seams: &Seams| {
+            seams.locals(|row, place| {
+                let melts = || latent.find(place, &mut 0);
+                scene.at_seam(seams, row, now[place], values[place], melts)
+            })
+        };
+        let locals = scene.seams.as_ref().map_or(Vec::new(), locals);
         self.set_begun(Begun { latent, at_seams: [locals.clone(), locals] });
     }
 
@@ -162,7 +167,7 @@ impl Enthalpy {
         let Some(seams) = &self.scene.seams else {
             return 0.0;
         };
-        let locals = seams.locals(state);
+        let locals = seams.locals(|row, place| seams.local(row, state(place)));
         let add = |(k, rates): (usize, &mut [f64])| {
             let places = k * CHUNK..k * CHUNK + rates.len();
             let rows = within(seams.places(), &places);
@@ -225,6 +230,28 @@ impl Enthalpy {
         let fronts = fronts.as_ref().map_or(0, FrontFlows::memory_bytes);
         let scene = curves.memory_bytes() + seams + fronts;
         size_of_val(&*self.values) + scene + self.begun_bytes
+    }
+}
+
+impl HeatScene {
+    /// What the particle of a row of `seams` is like in Euler's steps, with a potential (K), an enthalpy (K) where
+    /// potentials do not tell it, and, where they do, that of what `melts`.
+    #[inline]
+    pub(super) fn at_seam(
+        &self,
+        seams: &Seams,
+        row: usize,
+        potential: f64,
+        enthalpy: f64,
+        melts: impl FnOnce() -> Option<f64>,
+    ) -> Local {
+        let Some(courses) = self.curves.courses() else {
+            return seams.local(row, enthalpy);
+        };
+        match melts() {
+            Some(enthalpy) => seams.local(row, enthalpy),
+            None => seams.local_of(row, courses[seams.material(row)].state(potential)),
+        }
     }
 }
 

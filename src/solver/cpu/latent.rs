@@ -1,5 +1,7 @@
 //! Particles that melt at one temperature: their potential does not tell their enthalpy.
 
+use crate::model::operator::seek;
+
 /// Those of a scene: few as a rule.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Latent {
@@ -33,6 +35,13 @@ impl Latent {
     /// Their enthalpies, K.
     pub(super) fn enthalpies(&self) -> &[f64] {
         &self.enthalpies
+    }
+
+    /// The enthalpy of what is in a place, if it is one of them; looked up from `near` on.
+    pub(super) fn find(&self, place: usize, near: &mut usize) -> Option<f64> {
+        *near = seek(&self.places, *near, |&other| (other as usize) < place);
+        let is_there = self.places.get(*near).is_some_and(|&other| other as usize == place);
+        is_there.then(|| self.enthalpies[*near])
     }
 
     /// Place and enthalpy of one.

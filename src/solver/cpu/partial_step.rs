@@ -12,7 +12,7 @@ use super::fronts::Queue;
 use super::latent::Latent;
 use super::operator::CpuOperator;
 use super::seam_step::SeamStep;
-use crate::model::operator::{seek, take_below, within, within_near};
+use crate::model::operator::{take_below, within, within_near};
 use crate::model::wide;
 
 /// Values that are worked on together: parts are whole numbers of them but for the last.
@@ -235,24 +235,14 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     /// Takes note of what the particles of seams are like after places from `first` on were taken on: their potentials
     /// are in `out`, and what melts among them is in `latent` from `from` on.
     fn note_seams(&mut self, mut from: usize, first: usize, out: &[f64]) {
-        let Some(step) = &mut self.seams else {
-            return;
-        };
-        let (latent, start, enthalpies) = (&self.latent, self.places.start, &*self.enthalpies);
-        let Some(courses) = self.scene.curves.courses() else {
-            step.note(first + out.len(), |seams, row, place| {
-                seams.local(row, enthalpies[place - start])
-            });
+        let Self { scene, latent, places, enthalpies, seams, .. } = self;
+        let Some(step) = seams else {
             return;
         };
         step.note(first + out.len(), |seams, row, place| {
-            from = seek(latent.places(), from, |&other| (other as usize) < place);
-            match latent.places().get(from) {
-                Some(&other) if other as usize == place => {
-                    seams.local(row, latent.enthalpies()[from])
-                }
-                _ => seams.local_of(row, courses[seams.material(row)].state(out[place - first])),
-            }
+            let enthalpy = enthalpies[place - places.start];
+            let melts = || latent.find(place, &mut from);
+            scene.at_seam(seams, row, out[place - first], enthalpy, melts)
         });
     }
 
