@@ -75,14 +75,6 @@ struct Here<'a> {
 }
 
 impl Here<'_> {
-    /// Enthalpies between which all are of the segment, the first of them too.
-    #[inline(always)]
-    fn ends(&self) -> [f64; 2] {
-        let Self { segments, which, .. } = *self;
-        let start = if which == 0 { f64::NEG_INFINITY } else { segments[which].start };
-        [start, segments.get(which + 1).map_or(f64::INFINITY, |next| next.start)]
-    }
-
     /// Changes a few enthalpies; returns whether any may melt at one temperature after it.
     #[inline(always)]
     fn few<const FUSED: bool>(
@@ -91,7 +83,8 @@ impl Here<'_> {
         out: &mut [f64; FEW],
         dt: f64,
     ) -> bool {
-        let ([start, end], segment) = (self.ends(), self.segments[self.which]);
+        let (segments, which) = (self.segments, self.which);
+        let ([start, end], segment) = (ends_of(segments, which), segments[which]);
         let (mut after, mut potentials, mut within) = ([0.0; FEW], [0.0; FEW], u64::MAX);
         for x in 0..FEW {
             after[x] = multiply_add::<FUSED>(dt, out[x], enthalpies[x]);
@@ -136,8 +129,20 @@ impl Here<'_> {
                 self.which = which;
             }
         }
-        self.flat.is_some_and(|flat| (first..=which).contains(&flat))
+        match self.flat {
+            Some(flat) if (first..=which).contains(&flat) => {
+                any_is_within(ends_of(self.segments, flat), enthalpies)
+            }
+            _ => false,
+        }
     }
+}
+
+/// Enthalpies between which all are of one of the segments, the first of them too.
+#[inline(always)]
+fn ends_of(segments: &[Segment], which: usize) -> [f64; 2] {
+    let start = if which == 0 { f64::NEG_INFINITY } else { segments[which].start };
+    [start, segments.get(which + 1).map_or(f64::INFINITY, |next| next.start)]
 }
 
 /// Whether any of a few numbers is below an end: by bits of signs, since a processor puts them together for several
@@ -159,6 +164,16 @@ fn any_is_at_least(start: f64, numbers: &[f64; FEW]) -> bool {
         all &= (number - start).to_bits();
     }
     all >> 63 == 0
+}
+
+/// Whether any of a few numbers is not below a start and below an end.
+#[inline(always)]
+fn any_is_within([start, end]: [f64; 2], numbers: &[f64; FEW]) -> bool {
+    let mut any = 0;
+    for number in numbers {
+        any |= !(number - start).to_bits() & (number - end).to_bits();
+    }
+    any >> 63 != 0
 }
 
 #[cfg(test)]
