@@ -12,6 +12,7 @@ mod support;
 
 use diffusph::case::Scene;
 use diffusph::model::lattice::LatticeScene;
+use diffusph::solver::cpu::CpuBackend;
 use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use diffusph::study;
@@ -199,4 +200,90 @@ fn a_state_in_parts_has_the_fronts_of_one() {
     let (several, parts) = after(Some(8 * 50 * 11));
     assert!(one == 1 && several >= 4, "{one} and {several} parts");
     assert!(furthest(&whole, &parts) < 1e-9, "{:e} K", furthest(&whole, &parts));
+}
+
+/// `scene` on a GPU, by lattice or by list, and a step of it (s).
+fn backend(scene: &Scene, precision: Precision, by_lattice: bool) -> (GpuBackend, f64) {
+    let problem = &scene.problem;
+    let step = 0.15 * problem.spacing.powi(2) / 3.73e-5;
+    let Machine::Gpu { device, precision } = on_gpu(precision) else {
+        panic!("it is a GPU");
+    };
+    let backend = if by_lattice {
+        let lattice = LatticeScene::of(problem).expect("a lattice");
+        let (walls, _) = study::lattice_walls(problem, &lattice).expect("good walls");
+        let options = GpuOptions::new(precision);
+        GpuBackend::lattice(problem, &lattice, walls, step, &device, options)
+    } else {
+        GpuBackend::new(problem, step, &device, precision)
+    };
+    (backend.unwrap_or_else(|error| panic!("{error}")), step)
+}
+
+#[test]
+fn looks_and_copies_between_steps_on_a_gpu_change_nothing() {
+    let scene = sheet([30, 24], false, false);
+    for precision in Precision::ALL {
+        for by_lattice in [true, false] {
+            let start = || backend(&scene, precision, by_lattice);
+            let after = |counts: &[u64]| {
+                let (mut backend, step) = start();
+                for &count in counts {
+                    backend.euler(0.0, step, count).expect("steps");
+                    assert!(backend.is_finite().expect("a look"));
+                    backend.read().expect("values");
+                }
+                backend.read().expect("values")
+            };
+            let at_once = after(&[20]);
+            let what = format!("{}, by lattice: {by_lattice}", precision.name());
+            assert_eq!(at_once, after(&[1; 20]), "{what}");
+            assert_ne!(at_once, after(&[19]), "{what}: a step is noticed");
+            let (mut backend, step) = start();
+            backend.save().expect("a copy");
+            let initial = backend.read().expect("values");
+            assert_eq!(initial.as_ref()[0] as f32, scene.problem.initial[0] as f32, "{what}");
+            backend.euler(0.0, step, 7).expect("steps");
+            backend.restore().expect("what was saved");
+            assert_eq!(backend.read().expect("values"), initial, "{what}: restored");
+            backend.euler(0.0, step, 12).expect("steps");
+            backend.save().expect("a copy");
+            backend.euler(0.0, step, 3).expect("steps");
+            backend.restore().expect("what was saved");
+            backend.euler(0.0, step, 8).expect("steps");
+            assert_eq!(backend.read().expect("values"), at_once, "{what}: restored later");
+        }
+    }
+}
+
+#[test]
+fn steps_go_on_from_what_others_have_added() {
+    let scene = sheet([30, 24], false, false);
+    // Some melts by it at once, and some of what melted is solid again.
+    let change = |p: &[f64; 2]| 300.0 * (40.0 * p[0]).sin() * (30.0 * p[1]).cos();
+    let positions = scene.problem.particles.position.iter();
+    let change: Vec<f64> = positions.map(|p| change(&[p[0], p[1]])).collect();
+    fn after<B: Backend>(mut backend: B, step: f64, change: &[f64], times: u32) -> Vec<f64> {
+        let mut x = backend.vector().expect("a vector");
+        backend.euler(0.0, step, 10).expect("steps");
+        for _ in 0..times {
+            backend.load(change, &mut x).expect("values");
+            backend.add(&x).expect("a sum");
+            backend.euler(0.0, step, 5).expect("steps");
+        }
+        backend.read().expect("values").as_ref().to_vec()
+    }
+    let step = backend(&scene, Precision::F64, true).1;
+    let on_cpu = |times| after(CpuBackend::of(&scene.problem), step, &change, times);
+    let cpu = on_cpu(2);
+    for (precision, most) in
+        [(Precision::F64, 1e-9), (Precision::Compensated, 2e-2), (Precision::F32, 0.2)]
+    {
+        for by_lattice in [true, false] {
+            let (backend, step) = backend(&scene, precision, by_lattice);
+            let off = furthest(&cpu, &after(backend, step, &change, 2));
+            assert!(off < most, "{}, by lattice: {by_lattice}: {off:e} K", precision.name());
+        }
+    }
+    assert!(furthest(&cpu, &on_cpu(1)) > 1.0, "what is added is noticed");
 }

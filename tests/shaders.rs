@@ -6,7 +6,7 @@ use diffusph::gpu::limits::{CHAIN, limit_sources};
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
-use diffusph::solver::gpu::curve_passes::{CurvePasses, SeamPasses};
+use diffusph::solver::gpu::curve_passes::{CurveKind, CurvePasses, SeamPasses};
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
     CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, finite, self_test, still,
@@ -145,7 +145,8 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];
-        let curves = [false, true].map(|each| CurvePasses { precision, workgroup_size: 64, each });
+        let curves =
+            CurveKind::ALL.map(|curves| CurvePasses { precision, workgroup_size: 64, curves });
         let seams = [false, true].into_iter().flat_map(move |held| {
             PairMean::ALL.map(|pair_mean| SeamPasses {
                 precision,
@@ -181,12 +182,18 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
         let on_lattice: Vec<_> = lattice.iter().filter(|s| s.pass == "lattice_step").collect();
         let choices = a_choice(precision);
         let of_list = [false, true].map(|noted| {
-            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, each: true }, noted)
+            let curves = CurveKind::Each;
+            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, curves }, noted)
         });
         let each = &["curve_of", "curve_start"][..];
+        let of_phases = [false, true].map(|noted| {
+            let curves = CurveKind::Phases;
+            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, curves }, noted)
+        });
         let of_list = (&choices.step(), &of_list[0], &of_list[1], each);
+        let of_phases = (&choices.step(), &of_phases[0], &of_phases[1], &[][..]);
         let on_lattice = (on_lattice[0], on_lattice[1], on_lattice[2], &[][..]);
-        for (plain, enthalpy, noted, each) in [of_list, on_lattice] {
+        for (plain, enthalpy, noted, each) in [of_list, of_phases, on_lattice] {
             let text = plain.link().expect("every file exists");
             assert!(!text.contains("content") && !text.contains("curve"), "{text}");
             let expected =

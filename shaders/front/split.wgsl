@@ -10,7 +10,7 @@ fn potential_at(site: u32) -> Value {
     return above[site - part.above_first];
 }
 
-fn enthalpy_at(site: u32) -> Value {
+fn content_at(site: u32) -> Value {
     if site >= part.first_site && site < part.end_site {
         return content[site - part.first_site];
     }

@@ -4,6 +4,6 @@ fn potential_at(place: u32) -> Value {
     return before[place];
 }
 
-fn enthalpy_at(place: u32) -> Value {
+fn content_at(place: u32) -> Value {
     return content[place];
 }

@@ -82,6 +82,11 @@ impl Precision {
         if self.words() == 1 { [number, 0.0] } else { two_words(number) }
     }
 
+    /// Values as a device comes to hold them.
+    pub(super) fn on_device(self, values: &[f64]) -> Vec<f64> {
+        self.state_from_bytes(&self.state_to_bytes(values))
+    }
+
     /// The inverse of [`Precision::state_to_bytes`].
     pub(super) fn state_from_bytes(self, bytes: &[u8]) -> Vec<f64> {
         let numbers = self.real().from_bytes(bytes);

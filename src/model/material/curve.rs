@@ -197,6 +197,17 @@ impl HeatCurve {
             && self.melt.as_ref().is_none_or(|melt| melt.conductivity.is_constant())
     }
 
+    /// What is solid, what melts and what is liquid, each of one segment: if the conductivity is constant in each phase
+    /// and it melts at one temperature.
+    pub(crate) fn phases(&self) -> Option<[&Segment; 3]> {
+        let [solid, melting, liquid] = &self.segments[..] else {
+            return None;
+        };
+        let phases = [solid, melting, liquid];
+        let is_straight = phases.iter().all(|segment| segment.bend == 0.0);
+        (is_straight && melting.slope == 0.0).then_some(phases)
+    }
+
     /// How it melts, and what it is then.
     pub fn melt(&self) -> Option<&Melting> {
         self.melt.as_ref()

@@ -52,10 +52,7 @@ impl Course {
             let (phases, curve) = ([phase, phase], None);
             return Some(Self { phases, begins: never, ends: never, melts: never, curve });
         };
-        let [solid, flat, liquid] = curve.segments() else {
-            return None;
-        };
-        let is_straight = [solid, flat, liquid].iter().all(|segment| segment.bend == 0.0);
+        let [solid, flat, liquid] = curve.phases()?;
         let phase = |segment: &Segment| Phase {
             slope: segment.slope,
             warming: segment.warming / segment.slope,
@@ -63,7 +60,7 @@ impl Course {
             temperature: flat.temperature,
             conductivity: curve.conductivity_of(segment)[0],
         };
-        (is_straight && flat.slope == 0.0).then(|| Self {
+        Some(Self {
             phases: [solid, liquid].map(phase),
             begins: flat.start,
             ends: liquid.start,

@@ -22,12 +22,14 @@ impl Backend for GpuBackend {
     }
 
     fn read(&mut self) -> Result<GpuField, SolverError> {
-        self.field(self.steps.content(), 1.0)
+        Ok(self.by_particle(self.steps.values(&self.device)?))
     }
 
     fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
         let rate = self.steps.rate(&self.device, &self.operator, time)?;
-        self.field(rate, 1.0 / self.reference_step)
+        let mut rate = self.steps.read(&self.device, rate)?;
+        rate.iter_mut().for_each(|rate| *rate /= self.reference_step);
+        Ok(self.by_particle(rate))
     }
 
     fn exchange(&mut self) -> Result<f64, SolverError> {
@@ -62,8 +64,12 @@ impl Backend for GpuBackend {
                 },
                 exchange: self.steps.exchange().map(twin).transpose()?,
                 walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
+                up_to_date: self.steps.up_to_date(),
                 tick: 0,
             });
+        }
+        if let Some(saved) = &mut self.saved {
+            saved.up_to_date = self.steps.up_to_date();
         }
         if let (Some(saved), Some(walls)) = (&mut self.saved, self.steps.walls()) {
             saved.tick = walls.tick();
@@ -74,6 +80,9 @@ impl Backend for GpuBackend {
     fn restore(&mut self) -> Result<(), SolverError> {
         if let (Some(saved), Some(walls)) = (&self.saved, self.steps.walls_mut()) {
             walls.set_tick(saved.tick);
+        }
+        if let Some(saved) = &self.saved {
+            self.steps.replaced(saved.up_to_date);
         }
         Ok(self.copy_saved(|here, saved| (saved, here))?)
     }

@@ -1,6 +1,6 @@
 //! The passes of scenes whose neighbours are listed or searched for.
 
-use super::curve_passes::CurvePasses;
+use super::curve_passes::{CurveKind, CurvePasses};
 use super::fronts::FrontMakes;
 use super::passes::{
     CHUNK, COMBINATION, GRID, HELD_BIT, MARKED_MASK, NO_SLOT, SLICE_ROWS, SOURCE_STEPS, STATE_END,
@@ -245,9 +245,9 @@ impl Choices {
             self.diagonal(),
             self.probe(),
         ];
-        for each in [false, true] {
+        for curves in CurveKind::ALL {
             let Self { precision, workgroup_size, .. } = *self;
-            let curves = CurvePasses { precision, workgroup_size, each };
+            let curves = CurvePasses { precision, workgroup_size, curves };
             all.extend([false, true].map(|noted| self.enthalpy_step(curves, noted)));
             all.extend(FrontMakes::ALL.map(|makes| self.front(curves, makes)));
         }

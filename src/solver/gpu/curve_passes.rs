@@ -8,6 +8,23 @@ use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
 use crate::solver::Precision;
 
+/// Which curves enthalpies follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveKind {
+    /// One, of constant conductivities in each phase, that melts at one temperature: potentials tell enthalpies but of
+    /// what melts, and explicit Euler steps take potentials on.
+    Phases,
+    /// One.
+    One,
+    /// Each place that of its material.
+    Each,
+}
+
+impl CurveKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Phases, Self::One, Self::Each];
+}
+
 /// What the shaders of enthalpies follow from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurvePasses {
@@ -15,8 +32,8 @@ pub struct CurvePasses {
     pub precision: Precision,
     /// Invocations a workgroup.
     pub workgroup_size: u32,
-    /// Whether each place has the curve of its own material, or all have one.
-    pub each: bool,
+    /// What they follow.
+    pub curves: CurveKind,
 }
 
 /// What the shaders follow from where materials meet, each with its curve.
@@ -33,26 +50,44 @@ pub struct SeamPasses {
 }
 
 impl CurvePasses {
-    /// Makes a pass over all places of a step of potentials one of enthalpies, which writes both; what melts is
-    /// listed where it is `noted`.
+    /// Makes a pass over all places of a step of potentials one of enthalpies, which writes both, but for an enthalpy
+    /// that its potential tells; what melts is listed where it is `noted`.
     pub(super) fn end_step(self, source: &mut PassSource, noted: bool) {
         source.bindings.push(read("content", value(self.precision)));
-        self.end(source, "end/enthalpy", noted);
+        let end = match self.curves {
+            CurveKind::Phases => "end/phases_step",
+            CurveKind::One | CurveKind::Each => "end/enthalpy",
+        };
+        self.end(source, end, noted);
     }
 
     /// The same of a pass that adds to what those have written, and has the enthalpies before.
     pub(super) fn end_correction(self, source: &mut PassSource, noted: bool) {
-        self.end(source, "end/correction", noted);
+        let end = match self.curves {
+            CurveKind::Phases => "end/phases_correction",
+            CurveKind::One | CurveKind::Each => "end/correction",
+        };
+        self.end(source, end, noted);
     }
 
     /// Its buffers are those of `HeatFields::of_end`.
     fn end(self, source: &mut PassSource, end: &str, noted: bool) {
         source.bindings.push(write("content_after", value(self.precision)));
-        source.bindings.extend(of_curves(self.each));
+        source.bindings.extend(of_curves(self.is_each()));
         source.slots.retain(|slot| slot != STATE_END);
-        let slots = [self.bounds(), "curve/segments", "end/written", end];
-        source.slots.extend(slots.map(str::to_owned));
+        let slots = match self.curves {
+            CurveKind::Phases => vec!["end/phases", end],
+            CurveKind::One | CurveKind::Each => {
+                vec![self.bounds(), "curve/segments", "end/written", end]
+            }
+        };
+        source.slots.extend(slots.into_iter().map(str::to_owned));
         note(source, noted);
+    }
+
+    /// Whether each place has the curve of its own material.
+    pub(super) fn is_each(self) -> bool {
+        self.curves == CurveKind::Each
     }
 
     /// Adds a vector to enthalpies, and writes the potentials that come of them.
@@ -106,14 +141,14 @@ impl CurvePasses {
 
     fn on_curve(self, pass: &'static str, states: &[Binding]) -> PassSource {
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
-        bindings.extend(of_curves(self.each));
+        bindings.extend(of_curves(self.is_each()));
         bindings.extend(states);
         let slots = [self.bounds(), "curve/segments"];
         source(self.precision, self.workgroup_size, pass, bindings, &slots)
     }
 
     fn bounds(self) -> &'static str {
-        if self.each { "curve/each" } else { "curve/one" }
+        if self.is_each() { "curve/each" } else { "curve/one" }
     }
 }
 

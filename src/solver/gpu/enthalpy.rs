@@ -1,7 +1,8 @@
 //! Enthalpy on the device, and the potentials that come of it.
 
-use super::curve_passes::CurvePasses;
+use super::curve_passes::{CurveKind, CurvePasses};
 use super::fronts::{DeviceFronts, FrontMakes};
+use super::phases::Phases;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::material::Segment;
 use crate::model::{Conductivity, HeatCurve, Material, Problem};
@@ -46,8 +47,19 @@ impl Curves {
         }
     }
 
-    /// Potentials of enthalpies by place, K.
-    pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
+    /// Those that potentials tell, in the numbers of a device.
+    fn phases(&self, precision: Precision) -> Option<Phases> {
+        match self {
+            Self::One(curve) => Phases::of(curve, precision),
+            Self::Each { .. } => None,
+        }
+    }
+
+    /// Potentials of enthalpies by place, K, for a device of a precision.
+    pub(super) fn potentials(&self, enthalpies: &[f64], precision: Precision) -> Vec<f64> {
+        if let Some(phases) = self.phases(precision) {
+            return phases.potentials(&precision.on_device(enthalpies));
+        }
         let of = |(place, &enthalpy): (usize, &f64)| self.potential(place, enthalpy);
         enthalpies.iter().enumerate().map(of).collect()
     }
@@ -74,6 +86,8 @@ pub(super) struct Enthalpy {
     parts: [Vec<Buffer>; 2],
     /// The segments of the curves; where places have different ones, which each has and where these begin.
     curve: Vec<Buffer>,
+    /// Where potentials tell enthalpies.
+    phases: Option<Phases>,
 }
 
 impl Enthalpy {
@@ -101,12 +115,19 @@ impl Enthalpy {
             curve.push(device.storage_with("curves of places", bytemuck::cast_slice(of))?);
             curve.push(device.storage_with("starts of curves", bytemuck::cast_slice(&start))?);
         }
-        let each = matches!(curves, Curves::Each { .. });
-        Ok(Self {
-            passes: CurvePasses { precision, workgroup_size, each },
-            parts: [filled, empty],
-            curve,
-        })
+        let phases = curves.phases(precision);
+        let kind = match curves {
+            Curves::One(_) if phases.is_some() => CurveKind::Phases,
+            Curves::One(_) => CurveKind::One,
+            Curves::Each { .. } => CurveKind::Each,
+        };
+        let passes = CurvePasses { precision, workgroup_size, curves: kind };
+        Ok(Self { passes, parts: [filled, empty], curve, phases })
+    }
+
+    /// What potentials tell.
+    pub(super) fn phases(&self) -> Option<&Phases> {
+        self.phases.as_ref()
     }
 
     /// The passes that there are on its curves.

@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use super::curve_passes::CurvePasses;
+use super::curve_passes::{CurveKind, CurvePasses};
 use super::passes::{SPLIT, STATE_END, WHOLE, read, value, write};
 use crate::gpu::{Buffer, Constant, Device, Element, GpuError, Pass, PassSource};
 use crate::model::Problem;
@@ -73,7 +73,11 @@ impl FrontMakes {
         source.bindings.push(read("fronts", Element::Real4));
         let mut slots = vec![
             "front/melting",
-            if curves.each { "front/each" } else { "front/one" },
+            if curves.is_each() { "front/each" } else { "front/one" },
+            match curves.curves {
+                CurveKind::Phases => "front/told",
+                CurveKind::One | CurveKind::Each => "front/content",
+            },
             if is_split { "front/split" } else { "front/whole" },
         ];
         if is_split {
@@ -92,7 +96,7 @@ impl FrontMakes {
         source.slots.extend(slots.into_iter().map(str::to_owned));
         let found = match self {
             Self::Near => {
-                source.bindings.extend(curves.each.then_some(read("curve_of", Element::U32)));
+                source.bindings.extend(curves.is_each().then_some(read("curve_of", Element::U32)));
                 append_to(source, Listed::Near);
                 "front/listing"
             }

@@ -14,6 +14,7 @@ pub mod lattice;
 mod list;
 mod operator;
 pub mod passes;
+mod phases;
 mod scaling;
 mod seams;
 mod search;
@@ -43,6 +44,7 @@ use list::List;
 use operator::Operator;
 pub use passes::Choices;
 use passes::{Neighbors, WallTerms};
+use phases::UpToDate;
 use scaling::{Scaling, reference_step};
 use seams::DeviceSeams;
 use search::Search;
@@ -124,6 +126,7 @@ struct Saved {
     enthalpy: Vec<Buffer>,
     exchange: Option<Buffer>,
     walls: Option<Buffer>,
+    up_to_date: UpToDate,
     /// Where the ring of wall sources was.
     tick: u32,
 }
@@ -348,21 +351,15 @@ impl GpuBackend {
         Ok(neighbors)
     }
 
-    /// Reads the parts of a field and puts its values into the problem's order, times `factor`.
-    fn field(&self, parts: &[Buffer], factor: f64) -> Result<GpuField, SolverError> {
-        let precision = self.operator.precision();
-        let mut values = Vec::new();
-        for part in parts {
-            values.extend(precision.state_from_bytes(&self.device.read(part)?));
-        }
-        values.iter_mut().for_each(|value| *value *= factor);
+    /// Puts values by place into the problem's order.
+    fn by_particle(&self, values: Vec<f64>) -> GpuField {
         let Some(order) = &self.order else {
-            return Ok(GpuField(values));
+            return GpuField(values);
         };
         let present = || order.iter().zip(&values).filter(|(particle, _)| **particle != ABSENT);
         let mut by_particle = vec![0.0; present().count()];
         present().for_each(|(&particle, &value)| by_particle[particle as usize] = value);
-        Ok(GpuField(by_particle))
+        GpuField(by_particle)
     }
 }
 

@@ -6,6 +6,7 @@ use super::enthalpy::{Curves, Enthalpy, HeatFields};
 use super::fronts::{DeviceFronts, FrontMakes};
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
+use super::phases::{Phases, UpToDate};
 use super::seams::{DeviceSeams, SeamFields};
 use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass};
@@ -35,12 +36,16 @@ pub(super) struct Steps {
     current: usize,
     /// The state, in the same two places, only where `state` has its potentials.
     enthalpy: Option<Enthalpy>,
+    /// What of it is up to date.
+    up_to_date: UpToDate,
     /// Where materials meet of which one has a curve.
     seams: Option<DeviceSeams>,
     /// Where something melts at one temperature.
     fronts: Option<DeviceFronts>,
-    /// Lists what melts, since others than steps may have changed the state; by which state that is.
+    /// Lists what melts, by which state that is.
     find_fronts: [Option<Pass>; 2],
+    /// Whether it is listed: others than steps may have changed the state.
+    has_found_fronts: bool,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -74,7 +79,7 @@ impl Steps {
             Enthalpy::new(device, precision, operator.workgroup_size(), curves, contents)
         };
         let enthalpy = curves.map(of_curves).transpose()?;
-        let potentials = curves.map(|curves| curves.potentials(initial));
+        let potentials = curves.map(|curves| curves.potentials(initial, precision));
         let initial = potentials.map_or(Cow::Borrowed(initial), Cow::<[f64]>::Owned);
         let filled = parts.iter().map(|part| {
             device.storage_with("state", &precision.state_to_bytes(&initial[part.clone()]))
@@ -112,10 +117,11 @@ impl Steps {
             let of_part = |part: &Buffer| {
                 device.pass(&finite, &[&step_size, part, &flag], precision.values_in(part))
             };
-            // What a potential is not known of need not be infinite.
-            let content =
-                enthalpy.as_ref().map_or(&state[from][..], |enthalpy| enthalpy.parts(from));
-            content.iter().map(of_part).collect()
+            // What a potential is not known of need not be infinite, and what it tells is in no other place.
+            let content = enthalpy.as_ref().map(|enthalpy| enthalpy.parts(from));
+            let is_told = enthalpy.as_ref().is_none_or(|enthalpy| enthalpy.phases().is_some());
+            let potentials = if is_told { &state[from][..] } else { &[] };
+            content.into_iter().flatten().chain(potentials).map(of_part).collect()
         };
         let still = still(precision, operator.workgroup_size());
         let parts = state[0].iter().zip(&state[1]);
@@ -141,9 +147,11 @@ impl Steps {
             state,
             current: 0,
             enthalpy,
+            up_to_date: UpToDate::Both,
             seams,
             fronts,
             find_fronts,
+            has_found_fronts: false,
             exchange,
             walls,
             step_size,
@@ -167,9 +175,7 @@ impl Steps {
             device.write(&self.step_size, &contents)?;
             self.over_reference = Some(over_reference);
         }
-        if let Some(find) = &self.find_fronts[self.current] {
-            device.submit([find])?;
-        }
+        self.begin(device)?;
         let mut remaining = count;
         while remaining > 0 {
             let mut steps = self.pace.next(device, remaining)?;
@@ -188,7 +194,76 @@ impl Steps {
         Ok(())
     }
 
-    /// The parts of the present state, whatever the operator acts on.
+    /// Makes ready for steps.
+    fn begin(&mut self, device: &Device) -> Result<(), GpuError> {
+        if let Some(phases) = self.phases() {
+            if self.up_to_date == UpToDate::Enthalpies {
+                let potentials = phases.potentials(&self.read(device, self.content())?);
+                self.write(device, self.state(), &potentials)?;
+            }
+            self.up_to_date = UpToDate::Potentials;
+        }
+        if let Some(find) =
+            self.find_fronts[self.current].as_ref().filter(|_| !self.has_found_fronts)
+        {
+            device.submit([find])?;
+        }
+        self.has_found_fronts = true;
+        Ok(())
+    }
+
+    /// Brings the enthalpies in memory up to date, for what reads or changes them.
+    pub(super) fn settle(&mut self, device: &Device) -> Result<(), GpuError> {
+        if self.up_to_date == UpToDate::Potentials {
+            self.write(device, self.content(), &self.values(device)?)?;
+            self.up_to_date = UpToDate::Both;
+        }
+        Ok(())
+    }
+
+    /// The present state by place, whatever the operator acts on.
+    pub(super) fn values(&self, device: &Device) -> Result<Vec<f64>, GpuError> {
+        let mut values = self.read(device, self.content())?;
+        if let (UpToDate::Potentials, Some(phases)) = (self.up_to_date, self.phases()) {
+            phases.tell(&self.read(device, self.state())?, &mut values);
+        }
+        Ok(values)
+    }
+
+    fn phases(&self) -> Option<&Phases> {
+        self.enthalpy.as_ref().and_then(Enthalpy::phases)
+    }
+
+    pub(super) fn read(&self, device: &Device, parts: &[Buffer]) -> Result<Vec<f64>, GpuError> {
+        let mut values = Vec::new();
+        for part in parts {
+            values.extend(self.precision.state_from_bytes(&device.read(part)?));
+        }
+        Ok(values)
+    }
+
+    fn write(&self, device: &Device, parts: &[Buffer], values: &[f64]) -> Result<(), GpuError> {
+        let mut rest = values;
+        for part in parts {
+            let (of_part, others) = rest.split_at(self.precision.values_in(part) as usize);
+            device.write(part, &self.precision.state_to_bytes(of_part))?;
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// What of the state is up to date.
+    pub(super) fn up_to_date(&self) -> UpToDate {
+        self.up_to_date
+    }
+
+    /// Takes what was written in place of the present state, of which that much is up to date.
+    pub(super) fn replaced(&mut self, up_to_date: UpToDate) {
+        self.up_to_date = up_to_date;
+        self.has_found_fronts = false;
+    }
+
+    /// The parts of the present state, whatever the operator acts on; enthalpies in them may have to be settled.
     pub(super) fn content(&self) -> &[Buffer] {
         self.enthalpy.as_ref().map_or(self.state(), |enthalpy| enthalpy.parts(self.current))
     }
@@ -226,6 +301,7 @@ impl Steps {
     /// Takes what was written for the next state as the present one.
     pub(super) fn turn(&mut self) {
         self.current = 1 - self.current;
+        self.replaced(UpToDate::Enthalpies);
     }
 
     /// The block with a zero that compilers do not know.

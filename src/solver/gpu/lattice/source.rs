@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource, Real};
 use crate::model::lattice::{Edge, End, LatticeScene};
 use crate::solver::Precision;
-use crate::solver::gpu::curve_passes::CurvePasses;
+use crate::solver::gpu::curve_passes::{CurveKind, CurvePasses};
 use crate::solver::gpu::fronts::FrontMakes;
 use crate::solver::gpu::operator::Makes;
 use crate::solver::gpu::passes::{
@@ -80,19 +80,20 @@ impl StencilSource {
         let diagonals =
             self.sites_of(Makes::Diagonal).iter().map(|&s| self.pass(s, Makes::Diagonal));
         let Self { precision, workgroup_size, .. } = *self;
-        let curves = CurvePasses { precision, workgroup_size, each: false };
-        let of_curves = [Sites::All, Sites::Exceptions].into_iter().flat_map(|sites| {
-            let step = |noted| {
-                let mut source = self.pass(sites, Makes::Step);
-                curves.end_step(&mut source, noted);
-                source
-            };
-            let front = move |&makes: &FrontMakes| self.front(sites, curves, makes);
-            [false, true]
-                .map(step)
-                .into_iter()
-                .chain(FrontMakes::of(self.is_split).iter().map(front))
-        });
+        let of_curves = |curves| {
+            let curves = CurvePasses { precision, workgroup_size, curves };
+            [Sites::All, Sites::Exceptions].into_iter().flat_map(move |sites| {
+                let step = |noted| {
+                    let mut source = self.pass(sites, Makes::Step);
+                    curves.end_step(&mut source, noted);
+                    source
+                };
+                let front = move |&makes: &FrontMakes| self.front(sites, curves, makes);
+                let steps = [false, true].map(step).into_iter();
+                steps.chain(FrontMakes::of(self.is_split).iter().map(front))
+            })
+        };
+        let of_curves = [CurveKind::Phases, CurveKind::One].into_iter().flat_map(of_curves);
         all.chain(diagonals).chain(of_curves).collect()
     }
 

@@ -207,6 +207,7 @@ impl VectorScene {
 impl GpuBackend {
     /// What is done to vectors.
     pub(super) fn vectors(&mut self) -> Result<Operations<'_>, GpuError> {
+        self.steps.settle(&self.device)?;
         let tools = match self.tools.take() {
             Some(tools) => tools,
             None => Box::new(Tools::new(&self.device, &self.operator, &self.steps, &self.scene)?),

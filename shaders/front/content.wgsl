@@ -1,0 +1,5 @@
+// Enthalpies are in memory.
+
+fn enthalpy_at(place: u32) -> Value {
+    return content_at(place);
+}

@@ -1,0 +1,130 @@
+//! Enthalpies that potentials tell: of one material that melts at one temperature between constant conductivities.
+//!
+//! Explicit Euler steps take the potential of a solid or a liquid on by its slope times what is added to the enthalpy
+//! (`shaders/end/phases.wgsl`): so a step reads and writes one value of a particle, as without melting. Enthalpies in
+//! memory are up to date only where potentials are that of melting, until they are asked for.
+
+use crate::model::HeatCurve;
+use crate::solver::Precision;
+
+/// The phases of a material, in the numbers that a device has of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Phases {
+    precision: Precision,
+    /// Enthalpies between which it melts, K.
+    begins: f64,
+    ends: f64,
+    /// The potential there, K.
+    melts: f64,
+    /// d psi / d theta of a solid and of a liquid.
+    slopes: [f64; 2],
+}
+
+/// What of a state of enthalpies is up to date.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum UpToDate {
+    /// Enthalpies, and the potentials that [`Phases`] make of them.
+    Both,
+    /// Enthalpies, and potentials to within rounding.
+    Enthalpies,
+    /// Potentials, and enthalpies of what melts.
+    Potentials,
+}
+
+impl Phases {
+    /// Those of `curve`, if its potentials tell enthalpies.
+    pub(super) fn of(curve: &HeatCurve, precision: Precision) -> Option<Self> {
+        let [solid, melting, liquid] = curve.phases()?;
+        let value = |number: f64| precision.on_device(&[number])[0];
+        let real = |number: f64| {
+            let real = precision.real();
+            real.from_bytes(&real.to_bytes(&[number]))[0]
+        };
+        Some(Self {
+            precision,
+            begins: value(melting.start),
+            ends: value(liquid.start),
+            melts: value(melting.potential),
+            slopes: [solid, liquid].map(|segment| real(segment.slope)),
+        })
+    }
+
+    /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others.
+    pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
+        let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
+        let potential = |&enthalpy: &f64| {
+            if enthalpy < begins {
+                melts + solid * (enthalpy - begins)
+            } else if enthalpy > ends {
+                melts + liquid * (enthalpy - ends)
+            } else {
+                melts
+            }
+        };
+        self.precision.on_device(&enthalpies.iter().map(potential).collect::<Vec<_>>())
+    }
+
+    /// Brings `enthalpies` (K), of which those of what melts are up to date, to what `potentials` (K) tell. What has
+    /// not changed keeps its last digit.
+    pub(super) fn tell(&self, potentials: &[f64], enthalpies: &mut [f64]) {
+        let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
+        let before = self.potentials(enthalpies);
+        for ((enthalpy, &potential), before) in enthalpies.iter_mut().zip(potentials).zip(before) {
+            if potential == melts || potential == before {
+                continue;
+            }
+            let above = potential - melts;
+            *enthalpy = if above > 0.0 { ends + above / liquid } else { begins + above / solid };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Conductivity, Melting};
+
+    fn curve(liquidus: f64) -> HeatCurve {
+        let melting = Melting {
+            solidus: 400.0,
+            liquidus,
+            latent: 5e8,
+            conductivity: Conductivity::constant(200.0),
+            capacity: 3e6,
+        };
+        HeatCurve::new(&Conductivity::constant(300.0), 2.5e6, Some(&melting))
+    }
+
+    #[test]
+    fn potentials_tell_enthalpies_but_of_what_melts() {
+        for precision in Precision::ALL {
+            let curve = curve(400.0);
+            let phases = Phases::of(&curve, precision).expect("constant in each phase");
+            let numbers: Vec<f64> = (0..5000).map(|k| 250.03 + 0.1 * f64::from(k)).collect();
+            let enthalpies = precision.on_device(&numbers);
+            let potentials = phases.potentials(&enthalpies);
+            let digits = match precision {
+                Precision::F32 => 1e-4,
+                Precision::Compensated => 1e-10,
+                Precision::F64 => 1e-12,
+            };
+            let mut told = vec![0.0; enthalpies.len()];
+            phases.tell(&potentials, &mut told);
+            for ((&enthalpy, &potential), &told) in enthalpies.iter().zip(&potentials).zip(&told) {
+                let off = (potential - curve.potential(enthalpy)).abs();
+                assert!(off < 1e-4, "{precision:?}, {enthalpy}: {off:e}");
+                let melts = curve.slope(enthalpy) == 0.0;
+                let off = (told - enthalpy).abs();
+                assert!((off < digits) != melts, "{precision:?}, {enthalpy}: {off:e}");
+            }
+            let mut unchanged = enthalpies.clone();
+            phases.tell(&potentials, &mut unchanged);
+            assert_eq!(unchanged, enthalpies);
+        }
+    }
+
+    #[test]
+    fn what_melts_over_a_range_has_no_phases() {
+        assert!(Phases::of(&curve(420.0), Precision::F64).is_none());
+    }
+}
