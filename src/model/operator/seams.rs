@@ -14,9 +14,11 @@ use super::PairWeight;
 use super::fold::RowFold;
 use super::rows::{Walk, cell_grid, tasks};
 use crate::model::material::Material;
-use crate::model::neighbors::Scratch;
+use crate::model::neighbors::{CellGrid, Scratch};
 use crate::model::{PairMean, Problem};
 
+/// Cells that one parallel task looks at, at least.
+const CELLS_OF_A_TASK: usize = 1 << 9;
 /// Rows that one parallel task works on, at least.
 const ROWS_OF_A_TASK: usize = 1 << 9;
 
@@ -83,10 +85,17 @@ impl Seams {
         let shares_curve = |a: u16, b: u16| {
             problem.materials[usize::from(a)].shares_curve(&problem.materials[usize::from(b)])
         };
+        // Far from where curves meet no neighbours need to be looked for.
+        let curves = curves_of_cells(problem, &grid);
+        let may_meet = |cell: usize| {
+            let mut near = 0;
+            grid.layout().for_each_near(cell, |other| near |= curves[other]);
+            curves[cell] != 0 && near.count_ones() > 1
+        };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
             let mut found: Vec<(usize, Vec<(usize, f64)>)> = Vec::new();
-            for cell in cells {
+            for cell in cells.filter(|&cell| may_meet(cell)) {
                 grid.for_each_row(
                     cell,
                     problem.kernel.cutoff(),
@@ -244,4 +253,21 @@ impl Seams {
             + size_of_val(&*self.over_mean)
             + pairs
     }
+}
+
+/// By cell: which curves its particles have, a bit each.
+fn curves_of_cells(problem: &Problem, grid: &CellGrid<'_>) -> Vec<u64> {
+    let materials = &problem.materials;
+    let bit = |material: &Material| {
+        let first = materials.iter().position(|other| other.shares_curve(material));
+        // Of so many materials all are taken to meet.
+        first.and_then(|first| 1_u64.checked_shl(first as u32)).unwrap_or(u64::MAX)
+    };
+    let bits: Vec<u64> = materials.iter().map(bit).collect();
+    let curve = |&particle: &u32| bits[usize::from(problem.particles.material[particle as usize])];
+    let of_cell = |cell: usize| {
+        grid.order()[grid.ranks(cell)].iter().map(curve).fold(0, |all, curve| all | curve)
+    };
+    let cells = (0..grid.layout().count()).into_par_iter().with_min_len(CELLS_OF_A_TASK);
+    cells.map(of_cell).collect()
 }
