@@ -13,6 +13,8 @@ use crate::model::{HeatCurve, Material};
 
 /// Values that are worked on together, in registers.
 const FEW: usize = 16;
+/// The same at the end of a run.
+const FEWER: usize = 4;
 
 /// The potential of a material that melts at one temperature or not at all, as its enthalpy changes.
 pub(super) struct Course {
@@ -129,16 +131,18 @@ impl Work for GoOn<'_> {
         let mut leaves = |place: usize, rate: f64| leaving.push((place, dt * rate));
         while let Some((these, more)) = now.split_first_chunk::<FEW>() {
             let (rates, rest) = out.split_first_chunk_mut::<FEW>().expect("as many");
-            step.few::<FUSED>(these, rates, first, &mut leaves);
+            step.few::<FUSED, FEW>(these, rates, first, &mut leaves);
             (now, out, first) = (more, rest, first + FEW);
         }
-        if let Some(last) = now.last() {
-            // What fills up does not change.
-            let (mut these, mut rates) = ([*last; FEW], [0.0; FEW]);
-            these[..now.len()].copy_from_slice(now);
-            rates[..now.len()].copy_from_slice(out);
-            step.few::<FUSED>(&these, &mut rates, first, &mut leaves);
-            out.copy_from_slice(&rates[..now.len()]);
+        // Runs between materials may be short.
+        while let Some((these, more)) = now.split_first_chunk::<FEWER>() {
+            let (rates, rest) = out.split_first_chunk_mut::<FEWER>().expect("as many");
+            step.few::<FUSED, FEWER>(these, rates, first, &mut leaves);
+            (now, out, first) = (more, rest, first + FEWER);
+        }
+        for (k, (now, out)) in now.iter().zip(out).enumerate() {
+            let (now, out) = (std::array::from_ref(now), std::array::from_mut(out));
+            step.few::<FUSED, 1>(now, out, first + k, &mut leaves);
         }
     }
 }
@@ -170,15 +174,15 @@ impl Step {
     /// Takes a few on, from place `first` on, whose rates are in `out`; calls `leaves` with what begins to melt or to
     /// freeze and its rate.
     #[inline(always)]
-    fn few<const FUSED: bool>(
+    fn few<const FUSED: bool, const COUNT: usize>(
         self,
-        now: &[f64; FEW],
-        out: &mut [f64; FEW],
+        now: &[f64; COUNT],
+        out: &mut [f64; COUNT],
         first: usize,
         leaves: &mut dyn FnMut(usize, f64),
     ) {
-        let (mut next, mut any) = ([0.0; FEW], 0);
-        for x in 0..FEW {
+        let (mut next, mut any) = ([0.0; COUNT], 0);
+        for x in 0..COUNT {
             next[x] = self.one::<FUSED>(now[x], out[x]);
             // Bits of signs, since a processor puts them together for several at once.
             any |= self.above(now[x]).to_bits() ^ self.above(next[x]).to_bits();
@@ -193,13 +197,7 @@ impl Step {
     /// The same one by one: rarely needed, and beside the others it would keep them from staying in registers.
     #[cold]
     #[inline(never)]
-    fn some(
-        self,
-        now: &[f64; FEW],
-        out: &mut [f64; FEW],
-        first: usize,
-        leaves: &mut dyn FnMut(usize, f64),
-    ) {
+    fn some(self, now: &[f64], out: &mut [f64], first: usize, leaves: &mut dyn FnMut(usize, f64)) {
         for (x, (&now, out)) in now.iter().zip(out).enumerate() {
             let rate = *out;
             let next = self.one::<false>(now, rate);
