@@ -257,6 +257,25 @@ fn looks_and_copies_between_steps_on_a_gpu_change_nothing() {
 }
 
 #[test]
+fn a_state_is_good_again_after_one_that_was_lost() {
+    let scene = sheet([30, 24], false, false);
+    for precision in Precision::ALL {
+        let (mut backend, step) = backend(&scene, precision, true);
+        backend.save().expect("a copy");
+        for count in [1, 2] {
+            backend.euler(0.0, 1e6 * step, 101).expect("steps");
+            assert!(!backend.is_finite().expect("a look"), "{}", precision.name());
+            let lost = backend.read().expect("values").as_ref().iter().any(|c| !c.is_finite());
+            assert!(lost, "{}", precision.name());
+            backend.restore().expect("what was saved");
+            backend.euler(0.0, step, count).expect("steps");
+            assert!(backend.is_finite().expect("a look"), "{}, {count}", precision.name());
+            backend.restore().expect("what was saved");
+        }
+    }
+}
+
+#[test]
 fn steps_go_on_from_what_others_have_added() {
     let scene = sheet([30, 24], false, false);
     // Some melts by it at once, and some of what melted is solid again.

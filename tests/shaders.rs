@@ -145,8 +145,7 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];
-        let curves =
-            CurveKind::ALL.map(|curves| CurvePasses { precision, workgroup_size: 64, curves });
+        let curves = CurveKind::ALL.map(|kind| CurvePasses { precision, workgroup_size: 64, kind });
         let seams = [false, true].into_iter().flat_map(move |held| {
             PairMean::ALL.map(|pair_mean| SeamPasses {
                 precision,
@@ -182,13 +181,13 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
         let on_lattice: Vec<_> = lattice.iter().filter(|s| s.pass == "lattice_step").collect();
         let choices = a_choice(precision);
         let of_list = [false, true].map(|noted| {
-            let curves = CurveKind::Each;
-            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, curves }, noted)
+            let kind = CurveKind::Each;
+            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, kind }, noted)
         });
         let each = &["curve_of", "curve_start"][..];
         let of_phases = [false, true].map(|noted| {
-            let curves = CurveKind::Phases;
-            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, curves }, noted)
+            let kind = CurveKind::Phases;
+            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, kind }, noted)
         });
         let of_list = (&choices.step(), &of_list[0], &of_list[1], each);
         let of_phases = (&choices.step(), &of_phases[0], &of_phases[1], &[][..]);

@@ -1,5 +1,6 @@
 // The state is an enthalpy that its potential tells, unless it melts: then the potential is that of melting, and the
-// enthalpy is kept. `curve` has the segments of a solid, of what melts, and of a liquid.
+// enthalpy is kept. So it is where the potential would be nearer to that than a few roundings, so that whoever compares
+// them finds the same. `curve` has the segments of a solid, of what melts, and of a liquid.
 
 fn melting_potential() -> Value {
     let base = curve[2].zw;
@@ -12,6 +13,11 @@ fn phase_end(is_liquid: bool) -> Value {
     return of_words(start.x, start.y);
 }
 
+// How near a potential is taken for that of melting.
+fn melting_width() -> real {
+    return ROUNDINGS * abs(collapsed(melting_potential()));
+}
+
 // Takes on a potential by what is added to its enthalpy.
 fn go_on(i: u32, potential: Value, increment: real) {
     let melts = melting_potential();
@@ -19,7 +25,8 @@ fn go_on(i: u32, potential: Value, increment: real) {
     let slope = select(curve[1].x, curve[5].x, above > 0.0);
     let next = advanced(potential, slope * increment);
     let above_next = collapsed(next - melts);
-    if (above < 0.0 && above_next < 0.0) || (above > 0.0 && above_next > 0.0) {
+    let width = melting_width();
+    if (above < 0.0 && above_next < -width) || (above > 0.0 && above_next > width) {
         after[i] = next;
         return;
     }
@@ -32,14 +39,16 @@ fn go_on(i: u32, potential: Value, increment: real) {
     }
     enthalpy = advanced(enthalpy, increment);
     content_after[i] = enthalpy;
-    let of_solid = collapsed(enthalpy - phase_end(false));
-    let of_liquid = collapsed(enthalpy - phase_end(true));
-    if of_solid < 0.0 {
-        after[i] = advanced(melts, curve[1].x * of_solid);
-    } else if of_liquid > 0.0 {
-        after[i] = advanced(melts, curve[5].x * of_liquid);
-    } else {
+    let of_solid = curve[1].x * collapsed(enthalpy - phase_end(false));
+    let of_liquid = curve[5].x * collapsed(enthalpy - phase_end(true));
+    if of_solid < -width {
+        after[i] = advanced(melts, of_solid);
+    } else if of_liquid > width {
+        after[i] = advanced(melts, of_liquid);
+    } else if is_finite(collapsed(enthalpy)) {
         after[i] = melts;
         note(i, 1u, collapsed(enthalpy));
+    } else {
+        after[i] = enthalpy;
     }
 }

@@ -13,5 +13,6 @@ fn keep(i: u32, own: Value) {
     after[i] = own;
     if collapsed(own - melting_potential()) == 0.0 {
         content_after[i] = content[i];
+        note(i, 1u, collapsed(content[i]));
     }
 }

@@ -1,5 +1,6 @@
 //! What a time integrator needs, on the device.
 
+use super::phases::UpToDate;
 use super::walls::WallSlots;
 use super::{GpuBackend, GpuField, GpuVector, Saved};
 use crate::gpu::{Buffer, GpuError};
@@ -64,25 +65,23 @@ impl Backend for GpuBackend {
                 },
                 exchange: self.steps.exchange().map(twin).transpose()?,
                 walls: self.steps.walls().map(|walls| twin(&walls.wall)).transpose()?,
-                up_to_date: self.steps.up_to_date(),
+                up_to_date: UpToDate::Both,
                 tick: 0,
             });
         }
         if let Some(saved) = &mut self.saved {
             saved.up_to_date = self.steps.up_to_date();
-        }
-        if let (Some(saved), Some(walls)) = (&mut self.saved, self.steps.walls()) {
-            saved.tick = walls.tick();
+            saved.tick = self.steps.walls().map_or(0, WallSlots::tick);
         }
         Ok(self.copy_saved(|here, saved| (here, saved))?)
     }
 
     fn restore(&mut self) -> Result<(), SolverError> {
-        if let (Some(saved), Some(walls)) = (&self.saved, self.steps.walls_mut()) {
-            walls.set_tick(saved.tick);
-        }
         if let Some(saved) = &self.saved {
             self.steps.replaced(saved.up_to_date);
+            if let Some(walls) = self.steps.walls_mut() {
+                walls.set_tick(saved.tick);
+            }
         }
         Ok(self.copy_saved(|here, saved| (saved, here))?)
     }

@@ -245,9 +245,9 @@ impl Choices {
             self.diagonal(),
             self.probe(),
         ];
-        for curves in CurveKind::ALL {
+        for kind in CurveKind::ALL {
             let Self { precision, workgroup_size, .. } = *self;
-            let curves = CurvePasses { precision, workgroup_size, curves };
+            let curves = CurvePasses { precision, workgroup_size, kind };
             all.extend([false, true].map(|noted| self.enthalpy_step(curves, noted)));
             all.extend(FrontMakes::ALL.map(|makes| self.front(curves, makes)));
         }

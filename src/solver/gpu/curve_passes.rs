@@ -2,8 +2,9 @@
 
 use super::fronts::note;
 use super::passes::{
-    COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, read, value, write,
+    COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, is_finite, read, value, write,
 };
+use super::phases::roundings;
 use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
 use crate::solver::Precision;
@@ -32,8 +33,8 @@ pub struct CurvePasses {
     pub precision: Precision,
     /// Invocations a workgroup.
     pub workgroup_size: u32,
-    /// What they follow.
-    pub curves: CurveKind,
+    /// Which curves there are.
+    pub kind: CurveKind,
 }
 
 /// What the shaders follow from where materials meet, each with its curve.
@@ -54,7 +55,7 @@ impl CurvePasses {
     /// that its potential tells; what melts is listed where it is `noted`.
     pub(super) fn end_step(self, source: &mut PassSource, noted: bool) {
         source.bindings.push(read("content", value(self.precision)));
-        let end = match self.curves {
+        let end = match self.kind {
             CurveKind::Phases => "end/phases_step",
             CurveKind::One | CurveKind::Each => "end/enthalpy",
         };
@@ -63,7 +64,7 @@ impl CurvePasses {
 
     /// The same of a pass that adds to what those have written, and has the enthalpies before.
     pub(super) fn end_correction(self, source: &mut PassSource, noted: bool) {
-        let end = match self.curves {
+        let end = match self.kind {
             CurveKind::Phases => "end/phases_correction",
             CurveKind::One | CurveKind::Each => "end/correction",
         };
@@ -75,8 +76,13 @@ impl CurvePasses {
         source.bindings.push(write("content_after", value(self.precision)));
         source.bindings.extend(of_curves(self.is_each()));
         source.slots.retain(|slot| slot != STATE_END);
-        let slots = match self.curves {
-            CurveKind::Phases => vec!["end/phases", end],
+        let slots = match self.kind {
+            CurveKind::Phases => {
+                let real = self.precision.real();
+                source.constants.push(("ROUNDINGS", Constant::Real(roundings(self.precision))));
+                source.constants.push(("LARGEST", Constant::Real(real.largest())));
+                vec![is_finite(real), "end/phases", end]
+            }
             CurveKind::One | CurveKind::Each => {
                 vec![self.bounds(), "curve/segments", "end/written", end]
             }
@@ -87,7 +93,7 @@ impl CurvePasses {
 
     /// Whether each place has the curve of its own material.
     pub(super) fn is_each(self) -> bool {
-        self.curves == CurveKind::Each
+        self.kind == CurveKind::Each
     }
 
     /// Adds a vector to enthalpies, and writes the potentials that come of them.

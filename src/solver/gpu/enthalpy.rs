@@ -47,19 +47,8 @@ impl Curves {
         }
     }
 
-    /// Those that potentials tell, in the numbers of a device.
-    fn phases(&self, precision: Precision) -> Option<Phases> {
-        match self {
-            Self::One(curve) => Phases::of(curve, precision),
-            Self::Each { .. } => None,
-        }
-    }
-
-    /// Potentials of enthalpies by place, K, for a device of a precision.
-    pub(super) fn potentials(&self, enthalpies: &[f64], precision: Precision) -> Vec<f64> {
-        if let Some(phases) = self.phases(precision) {
-            return phases.potentials(&precision.on_device(enthalpies));
-        }
+    /// Potentials of enthalpies by place, K.
+    fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
         let of = |(place, &enthalpy): (usize, &f64)| self.potential(place, enthalpy);
         enthalpies.iter().enumerate().map(of).collect()
     }
@@ -82,7 +71,7 @@ impl Curves {
 #[derive(Debug)]
 pub(super) struct Enthalpy {
     passes: CurvePasses,
-    /// A step reads one and writes the other, in the parts of the state.
+    /// A step reads one and writes the other, in the parts of the state: of what melts alone where there are phases.
     parts: [Vec<Buffer>; 2],
     /// The segments of the curves; where places have different ones, which each has and where these begin.
     curve: Vec<Buffer>,
@@ -115,14 +104,23 @@ impl Enthalpy {
             curve.push(device.storage_with("curves of places", bytemuck::cast_slice(of))?);
             curve.push(device.storage_with("starts of curves", bytemuck::cast_slice(&start))?);
         }
-        let phases = curves.phases(precision);
-        let kind = match curves {
-            Curves::One(_) if phases.is_some() => CurveKind::Phases,
-            Curves::One(_) => CurveKind::One,
-            Curves::Each { .. } => CurveKind::Each,
+        let (kind, phases) = match curves {
+            Curves::Each { .. } => (CurveKind::Each, None),
+            Curves::One(curve) => match Phases::of(curve, precision) {
+                None => (CurveKind::One, None),
+                phases => (CurveKind::Phases, phases),
+            },
         };
-        let passes = CurvePasses { precision, workgroup_size, curves: kind };
+        let passes = CurvePasses { precision, workgroup_size, kind };
         Ok(Self { passes, parts: [filled, empty], curve, phases })
+    }
+
+    /// The potentials of `enthalpies`, which follow `curves`, by place, K.
+    pub(super) fn potentials(&self, curves: &Curves, enthalpies: &[f64]) -> Vec<f64> {
+        match &self.phases {
+            Some(phases) => phases.potentials(&self.passes.precision.on_device(enthalpies)),
+            None => curves.potentials(enthalpies),
+        }
     }
 
     /// What potentials tell.

@@ -3,7 +3,7 @@
 //! Little melts, and flows change only there and beside it. So places are in tiles of [`TILE`] that follow each
 //! other, and a step goes through lists of tiles, whose lengths only the device knows: before a step those where
 //! anything melts are listed, then those of these and of their neighbours, and there flows are looked for after it.
-//! Every pass that writes an enthalpy lists for the next step what melts.
+//! Every pass of a step that writes an enthalpy lists for the next one what melts.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 
@@ -74,7 +74,7 @@ impl FrontMakes {
         let mut slots = vec![
             "front/melting",
             if curves.is_each() { "front/each" } else { "front/one" },
-            match curves.curves {
+            match curves.kind {
                 CurveKind::Phases => "front/told",
                 CurveKind::One | CurveKind::Each => "front/content",
             },

@@ -1,6 +1,6 @@
 //! The passes of a scene: which shader files, constants and buffers make each.
 
-use crate::gpu::{Binding, BlockLayout, Buffer, Constant, Element, Holds, PassSource};
+use crate::gpu::{Binding, BlockLayout, Buffer, Constant, Element, Holds, PassSource, Real};
 use crate::model::operator::SourceRows;
 use crate::solver::Precision;
 
@@ -163,8 +163,16 @@ pub fn finite(precision: Precision, workgroup_size: u32) -> PassSource {
     let real = precision.real();
     let mut source = on_states("finite", precision, workgroup_size, &["state"]);
     source.constants.push(("LARGEST", Constant::Real(real.largest())));
-    source.slots.push(format!("precision/{}", real.name()));
+    source.slots.push(is_finite(real).to_owned());
     source
+}
+
+/// The shader file that knows finite numbers; passes that name it have a constant `LARGEST`.
+pub(super) fn is_finite(real: Real) -> &'static str {
+    match real {
+        Real::F32 => "precision/f32",
+        Real::F64 => "precision/f64",
+    }
 }
 
 /// Raises a flag if two states differ.

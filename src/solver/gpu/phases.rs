@@ -20,10 +20,20 @@ pub(super) struct Phases {
     slopes: [f64; 2],
 }
 
+/// How near a potential is taken for that of melting, in parts of it: a few roundings of a value.
+pub(super) fn roundings(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(4.0 * f32::EPSILON),
+        // The second word has as many bits as the first.
+        Precision::Compensated => f64::from(16.0 * f32::EPSILON * f32::EPSILON),
+        Precision::F64 => 4.0 * f64::EPSILON,
+    }
+}
+
 /// What of a state of enthalpies is up to date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UpToDate {
-    /// Enthalpies, and the potentials that [`Phases`] make of them.
+    /// Enthalpies, and potentials, which go together.
     Both,
     /// Enthalpies, and potentials to within rounding.
     Enthalpies,
@@ -49,16 +59,21 @@ impl Phases {
         })
     }
 
-    /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others.
+    /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others, as in
+    /// `shaders/end/phases.wgsl`.
     pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
         let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
+        let width = roundings(self.precision) * melts.abs();
         let potential = |&enthalpy: &f64| {
-            if enthalpy < begins {
-                melts + solid * (enthalpy - begins)
-            } else if enthalpy > ends {
-                melts + liquid * (enthalpy - ends)
-            } else {
+            let [of_solid, of_liquid] = [solid * (enthalpy - begins), liquid * (enthalpy - ends)];
+            if of_solid < -width {
+                melts + of_solid
+            } else if of_liquid > width {
+                melts + of_liquid
+            } else if enthalpy.is_finite() {
                 melts
+            } else {
+                enthalpy
             }
         };
         self.precision.on_device(&enthalpies.iter().map(potential).collect::<Vec<_>>())
@@ -120,6 +135,30 @@ mod tests {
             let mut unchanged = enthalpies.clone();
             phases.tell(&potentials, &mut unchanged);
             assert_eq!(unchanged, enthalpies);
+        }
+    }
+
+    #[test]
+    fn a_potential_is_that_of_melting_or_can_be_told_from_it() {
+        for precision in Precision::ALL {
+            let phases = Phases::of(&curve(400.0), precision).expect("constant in each phase");
+            let near =
+                [1e-20, 1e-15, 1e-13, 1e-11, 1e-6, 1e-3].map(|by| [400.0 - by, phases.ends + by]);
+            let enthalpies = precision.on_device(near.as_flattened());
+            let potentials = phases.potentials(&enthalpies);
+            let mut told = enthalpies.clone();
+            // What does not melt has changed since.
+            for (told, potential) in told.iter_mut().zip(&potentials) {
+                *told = if *potential == phases.melts { *told } else { 7.0 };
+            }
+            phases.tell(&potentials, &mut told);
+            let most = 4.0 * roundings(precision);
+            for (told, enthalpy) in told.iter().zip(&enthalpies) {
+                let off = (told - enthalpy).abs() / enthalpy;
+                assert!(off <= most, "{precision:?}, {enthalpy}: {off:e}");
+            }
+            assert!(potentials[0] == 400.0 && potentials[11] > 400.0 && potentials[10] < 400.0);
+            assert!(phases.potentials(&[f64::NAN])[0].is_nan());
         }
     }
 

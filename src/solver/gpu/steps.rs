@@ -36,7 +36,7 @@ pub(super) struct Steps {
     current: usize,
     /// The state, in the same two places, only where `state` has its potentials.
     enthalpy: Option<Enthalpy>,
-    /// What of it is up to date.
+    /// What of it is up to date, where there are phases.
     up_to_date: UpToDate,
     /// Where materials meet of which one has a curve.
     seams: Option<DeviceSeams>,
@@ -79,7 +79,8 @@ impl Steps {
             Enthalpy::new(device, precision, operator.workgroup_size(), curves, contents)
         };
         let enthalpy = curves.map(of_curves).transpose()?;
-        let potentials = curves.map(|curves| curves.potentials(initial, precision));
+        let potentials = enthalpy.as_ref().zip(curves);
+        let potentials = potentials.map(|(of, curves)| of.potentials(curves, initial));
         let initial = potentials.map_or(Cow::Borrowed(initial), Cow::<[f64]>::Owned);
         let filled = parts.iter().map(|part| {
             device.storage_with("state", &precision.state_to_bytes(&initial[part.clone()]))
@@ -117,11 +118,10 @@ impl Steps {
             let of_part = |part: &Buffer| {
                 device.pass(&finite, &[&step_size, part, &flag], precision.values_in(part))
             };
-            // What a potential is not known of need not be infinite, and what it tells is in no other place.
-            let content = enthalpy.as_ref().map(|enthalpy| enthalpy.parts(from));
-            let is_told = enthalpy.as_ref().is_none_or(|enthalpy| enthalpy.phases().is_some());
-            let potentials = if is_told { &state[from][..] } else { &[] };
-            content.into_iter().flatten().chain(potentials).map(of_part).collect()
+            // What a potential is not known of need not be infinite; what it tells is in no other place.
+            let untold = enthalpy.as_ref().filter(|enthalpy| enthalpy.phases().is_none());
+            let content = untold.map_or(&state[from][..], |enthalpy| enthalpy.parts(from));
+            content.iter().map(of_part).collect()
         };
         let still = still(precision, operator.workgroup_size());
         let parts = state[0].iter().zip(&state[1]);
@@ -234,6 +234,7 @@ impl Steps {
         self.enthalpy.as_ref().and_then(Enthalpy::phases)
     }
 
+    /// The values of parts of a state, by place.
     pub(super) fn read(&self, device: &Device, parts: &[Buffer]) -> Result<Vec<f64>, GpuError> {
         let mut values = Vec::new();
         for part in parts {

@@ -80,8 +80,8 @@ impl StencilSource {
         let diagonals =
             self.sites_of(Makes::Diagonal).iter().map(|&s| self.pass(s, Makes::Diagonal));
         let Self { precision, workgroup_size, .. } = *self;
-        let of_curves = |curves| {
-            let curves = CurvePasses { precision, workgroup_size, curves };
+        let of_curves = |kind| {
+            let curves = CurvePasses { precision, workgroup_size, kind };
             [Sites::All, Sites::Exceptions].into_iter().flat_map(move |sites| {
                 let step = |noted| {
                     let mut source = self.pass(sites, Makes::Step);
