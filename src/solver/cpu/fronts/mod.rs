@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::entries::{Entries, LANES, Lines, Near};
+use super::entries::{Entries, Lines, Near};
 use super::latent::Latent;
 use super::operator::CpuOperator;
 use super::vector::Capacities;
@@ -89,15 +89,9 @@ impl FrontFlows {
         let Some(front) = self.front(first) else {
             return;
         };
-        // Of a few at once, since hardly any melts.
-        for (k, few) in enthalpies.chunks(LANES).enumerate() {
-            if !few.iter().fold(false, |any, &enthalpy| any | front.is_in(enthalpy)) {
-                continue;
-            }
-            for (place, &enthalpy) in (first + k * LANES..).zip(few) {
-                if front.is_in(enthalpy) {
-                    found(place, enthalpy);
-                }
+        for (place, &enthalpy) in (first..).zip(enthalpies) {
+            if front.is_in(enthalpy) {
+                found(place, enthalpy);
             }
         }
     }
