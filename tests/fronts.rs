@@ -83,6 +83,36 @@ fn heun(scene: &Scene) -> Scene {
     load(&case).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The step of [`sheet`], s.
+fn step(scene: &Scene) -> f64 {
+    0.15 * scene.problem.spacing.powi(2) / 3.73e-5
+}
+
+/// `scene` on a GPU by lattice, in parts if a buffer may take so many bytes.
+fn by_lattice(scene: &Scene, precision: Precision, chunk_bytes: Option<u64>) -> GpuBackend {
+    let Machine::Gpu { device, precision } = on_gpu(precision) else {
+        panic!("it is a GPU");
+    };
+    let problem = &scene.problem;
+    let lattice = LatticeScene::of(problem).expect("a lattice");
+    let (walls, _) = study::lattice_walls(problem, &lattice).expect("good walls");
+    let options = GpuOptions { chunk_bytes, ..GpuOptions::new(precision) };
+    let backend = GpuBackend::lattice(problem, &lattice, walls, step(scene), &device, options);
+    backend.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same in one part, or by list.
+fn backend(scene: &Scene, precision: Precision, on_lattice: bool) -> GpuBackend {
+    if on_lattice {
+        return by_lattice(scene, precision, None);
+    }
+    let Machine::Gpu { device, precision } = on_gpu(precision) else {
+        panic!("it is a GPU");
+    };
+    let backend = GpuBackend::new(&scene.problem, step(scene), &device, precision);
+    backend.unwrap_or_else(|error| panic!("{error}"))
+}
+
 #[test]
 fn paths_of_the_cpu_agree_and_keep_the_energy() {
     // The large one is worked on in parts, which meet at the periodic ends as well.
@@ -182,18 +212,9 @@ fn what_has_melted_by_less_than_f32_can_tell_has_its_flows() {
 #[test]
 fn a_state_in_parts_has_the_fronts_of_one() {
     let scene = sheet([50, 40], false, false);
-    let problem = &scene.problem;
-    let lattice = LatticeScene::of(problem).expect("a lattice");
-    let step = 0.15 * problem.spacing.powi(2) / 3.73e-5;
     let after = |chunk_bytes: Option<u64>| {
-        let Machine::Gpu { device, precision } = on_gpu(Precision::F64) else {
-            panic!("it is a GPU");
-        };
-        let (walls, _) = study::lattice_walls(problem, &lattice).expect("good walls");
-        let options = GpuOptions { chunk_bytes, ..GpuOptions::new(precision) };
-        let mut backend = GpuBackend::lattice(problem, &lattice, walls, step, &device, options)
-            .unwrap_or_else(|error| panic!("{error}"));
-        backend.euler(0.0, step, u64::from(STEPS)).expect("steps");
+        let mut backend = by_lattice(&scene, Precision::F64, chunk_bytes);
+        backend.euler(0.0, step(&scene), u64::from(STEPS)).expect("steps");
         (backend.chunk_count(), backend.read().expect("values").as_ref().to_vec())
     };
     let (one, whole) = after(None);
@@ -202,32 +223,15 @@ fn a_state_in_parts_has_the_fronts_of_one() {
     assert!(furthest(&whole, &parts) < 1e-9, "{:e} K", furthest(&whole, &parts));
 }
 
-/// `scene` on a GPU, by lattice or by list, and a step of it (s).
-fn backend(scene: &Scene, precision: Precision, by_lattice: bool) -> (GpuBackend, f64) {
-    let problem = &scene.problem;
-    let step = 0.15 * problem.spacing.powi(2) / 3.73e-5;
-    let Machine::Gpu { device, precision } = on_gpu(precision) else {
-        panic!("it is a GPU");
-    };
-    let backend = if by_lattice {
-        let lattice = LatticeScene::of(problem).expect("a lattice");
-        let (walls, _) = study::lattice_walls(problem, &lattice).expect("good walls");
-        let options = GpuOptions::new(precision);
-        GpuBackend::lattice(problem, &lattice, walls, step, &device, options)
-    } else {
-        GpuBackend::new(problem, step, &device, precision)
-    };
-    (backend.unwrap_or_else(|error| panic!("{error}")), step)
-}
-
 #[test]
 fn looks_and_copies_between_steps_on_a_gpu_change_nothing() {
     let scene = sheet([30, 24], false, false);
+    let step = step(&scene);
     for precision in Precision::ALL {
-        for by_lattice in [true, false] {
-            let start = || backend(&scene, precision, by_lattice);
+        for on_lattice in [true, false] {
+            let start = || backend(&scene, precision, on_lattice);
             let after = |counts: &[u64]| {
-                let (mut backend, step) = start();
+                let mut backend = start();
                 for &count in counts {
                     backend.euler(0.0, step, count).expect("steps");
                     assert!(backend.is_finite().expect("a look"));
@@ -236,10 +240,10 @@ fn looks_and_copies_between_steps_on_a_gpu_change_nothing() {
                 backend.read().expect("values")
             };
             let at_once = after(&[20]);
-            let what = format!("{}, by lattice: {by_lattice}", precision.name());
+            let what = format!("{}, on a lattice: {on_lattice}", precision.name());
             assert_eq!(at_once, after(&[1; 20]), "{what}");
             assert_ne!(at_once, after(&[19]), "{what}: a step is noticed");
-            let (mut backend, step) = start();
+            let mut backend = start();
             backend.save().expect("a copy");
             let initial = backend.read().expect("values");
             assert_eq!(initial.as_ref()[0] as f32, scene.problem.initial[0] as f32, "{what}");
@@ -259,8 +263,9 @@ fn looks_and_copies_between_steps_on_a_gpu_change_nothing() {
 #[test]
 fn a_state_is_good_again_after_one_that_was_lost() {
     let scene = sheet([30, 24], false, false);
+    let step = step(&scene);
     for precision in Precision::ALL {
-        let (mut backend, step) = backend(&scene, precision, true);
+        let mut backend = backend(&scene, precision, true);
         backend.save().expect("a copy");
         for count in [1, 2] {
             backend.euler(0.0, 1e6 * step, 101).expect("steps");
@@ -279,9 +284,9 @@ fn a_state_is_good_again_after_one_that_was_lost() {
 fn steps_go_on_from_what_others_have_added() {
     let scene = sheet([30, 24], false, false);
     // Some melts by it at once, and some of what melted is solid again.
-    let change = |p: &[f64; 2]| 300.0 * (40.0 * p[0]).sin() * (30.0 * p[1]).cos();
     let positions = scene.problem.particles.position.iter();
-    let change: Vec<f64> = positions.map(|p| change(&[p[0], p[1]])).collect();
+    let change = positions.map(|p| 300.0 * (40.0 * p.x).sin() * (30.0 * p.y).cos());
+    let change: Vec<f64> = change.collect();
     fn after<B: Backend>(mut backend: B, step: f64, change: &[f64], times: u32) -> Vec<f64> {
         let mut x = backend.vector().expect("a vector");
         backend.euler(0.0, step, 10).expect("steps");
@@ -292,16 +297,16 @@ fn steps_go_on_from_what_others_have_added() {
         }
         backend.read().expect("values").as_ref().to_vec()
     }
-    let step = backend(&scene, Precision::F64, true).1;
+    let step = step(&scene);
     let on_cpu = |times| after(CpuBackend::of(&scene.problem), step, &change, times);
     let cpu = on_cpu(2);
     for (precision, most) in
         [(Precision::F64, 1e-9), (Precision::Compensated, 2e-2), (Precision::F32, 0.2)]
     {
-        for by_lattice in [true, false] {
-            let (backend, step) = backend(&scene, precision, by_lattice);
+        for on_lattice in [true, false] {
+            let backend = backend(&scene, precision, on_lattice);
             let off = furthest(&cpu, &after(backend, step, &change, 2));
-            assert!(off < most, "{}, by lattice: {by_lattice}: {off:e} K", precision.name());
+            assert!(off < most, "{}, on a lattice: {on_lattice}: {off:e} K", precision.name());
         }
     }
     assert!(furthest(&cpu, &on_cpu(1)) > 1.0, "what is added is noticed");

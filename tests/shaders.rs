@@ -180,19 +180,21 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
         let lattice = lattice.expect("every precision is among them").all();
         let on_lattice: Vec<_> = lattice.iter().filter(|s| s.pass == "lattice_step").collect();
         let choices = a_choice(precision);
-        let of_list = [false, true].map(|noted| {
-            let kind = CurveKind::Each;
-            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, kind }, noted)
+        let of_list = CurveKind::ALL.map(|kind| {
+            let each: &[_] =
+                if kind == CurveKind::Each { &["curve_of", "curve_start"] } else { &[] };
+            let curves = CurvePasses { precision, workgroup_size: 64, kind };
+            let [enthalpy, noted] = [false, true].map(|noted| choices.enthalpy_step(curves, noted));
+            (choices.step(), enthalpy, noted, each)
         });
-        let each = &["curve_of", "curve_start"][..];
-        let of_phases = [false, true].map(|noted| {
-            let kind = CurveKind::Phases;
-            choices.enthalpy_step(CurvePasses { precision, workgroup_size: 64, kind }, noted)
-        });
-        let of_list = (&choices.step(), &of_list[0], &of_list[1], each);
-        let of_phases = (&choices.step(), &of_phases[0], &of_phases[1], &[][..]);
-        let on_lattice = (on_lattice[0], on_lattice[1], on_lattice[2], &[][..]);
-        for (plain, enthalpy, noted, each) in [of_list, of_phases, on_lattice] {
+        let [plain, of_curves @ ..] = &on_lattice[..] else {
+            panic!("no steps on a lattice");
+        };
+        // Of phases and of one curve.
+        assert_eq!(of_curves.len(), 4);
+        let on_lattice = of_curves.chunks(2).map(|step| (*plain, step[0], step[1], &[][..]));
+        let of_list = of_list.iter().map(|(plain, step, noted, each)| (plain, step, noted, *each));
+        for (plain, enthalpy, noted, each) in of_list.chain(on_lattice) {
             let text = plain.link().expect("every file exists");
             assert!(!text.contains("content") && !text.contains("curve"), "{text}");
             let expected =

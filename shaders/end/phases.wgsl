@@ -1,6 +1,6 @@
 // The state is an enthalpy that its potential tells, unless it melts: then the potential is that of melting, and the
-// enthalpy is kept. So it is where the potential would be nearer to that than a few roundings, so that whoever compares
-// them finds the same. `curve` has the segments of a solid, of what melts, and of a liquid.
+// enthalpy is kept. A potential that is nearer to that of melting than a few roundings is taken for it, so that whoever
+// compares them finds the same. `curve` has the segments of a solid, of what melts, and of a liquid.
 
 fn melting_potential() -> Value {
     let base = curve[2].zw;
@@ -13,11 +13,6 @@ fn phase_end(is_liquid: bool) -> Value {
     return of_words(start.x, start.y);
 }
 
-// How near a potential is taken for that of melting.
-fn melting_width() -> real {
-    return ROUNDINGS * abs(collapsed(melting_potential()));
-}
-
 // Takes on a potential by what is added to its enthalpy.
 fn go_on(i: u32, potential: Value, increment: real) {
     let melts = melting_potential();
@@ -25,7 +20,7 @@ fn go_on(i: u32, potential: Value, increment: real) {
     let slope = select(curve[1].x, curve[5].x, above > 0.0);
     let next = advanced(potential, slope * increment);
     let above_next = collapsed(next - melts);
-    let width = melting_width();
+    let width = ROUNDINGS * abs(collapsed(melts));
     if (above < 0.0 && above_next < -width) || (above > 0.0 && above_next > width) {
         after[i] = next;
         return;

@@ -17,8 +17,6 @@ use crate::model::material::Material;
 use crate::model::neighbors::{CellGrid, Scratch};
 use crate::model::{PairMean, Problem};
 
-/// Cells that one parallel task looks at, at least.
-const CELLS_OF_A_TASK: usize = 1 << 9;
 /// Rows that one parallel task works on, at least.
 const ROWS_OF_A_TASK: usize = 1 << 9;
 
@@ -90,7 +88,7 @@ impl Seams {
         let may_meet = |cell: usize| {
             let mut near = 0;
             grid.layout().for_each_near(cell, |other| near |= curves[other]);
-            curves[cell] != 0 && near.count_ones() > 1
+            near.count_ones() > 1
         };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
@@ -268,6 +266,5 @@ fn curves_of_cells(problem: &Problem, grid: &CellGrid<'_>) -> Vec<u64> {
     let of_cell = |cell: usize| {
         grid.order()[grid.ranks(cell)].iter().map(curve).fold(0, |all, curve| all | curve)
     };
-    let cells = (0..grid.layout().count()).into_par_iter().with_min_len(CELLS_OF_A_TASK);
-    cells.map(of_cell).collect()
+    tasks(grid).into_par_iter().flat_map_iter(|cells| cells.map(of_cell)).collect()
 }

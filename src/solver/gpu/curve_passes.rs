@@ -2,7 +2,7 @@
 
 use super::fronts::note;
 use super::passes::{
-    COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, is_finite, read, value, write,
+    COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, know_finite, read, value, write,
 };
 use super::phases::roundings;
 use crate::gpu::{Binding, Constant, Element, PassSource};
@@ -76,18 +76,17 @@ impl CurvePasses {
         source.bindings.push(write("content_after", value(self.precision)));
         source.bindings.extend(of_curves(self.is_each()));
         source.slots.retain(|slot| slot != STATE_END);
-        let slots = match self.kind {
+        let slots: &[&str] = match self.kind {
             CurveKind::Phases => {
-                let real = self.precision.real();
+                know_finite(source);
                 source.constants.push(("ROUNDINGS", Constant::Real(roundings(self.precision))));
-                source.constants.push(("LARGEST", Constant::Real(real.largest())));
-                vec![is_finite(real), "end/phases", end]
+                &["end/phases", end]
             }
             CurveKind::One | CurveKind::Each => {
-                vec![self.bounds(), "curve/segments", "end/written", end]
+                &[self.bounds(), "curve/segments", "end/written", end]
             }
         };
-        source.slots.extend(slots.into_iter().map(str::to_owned));
+        source.slots.extend(slots.iter().map(|&slot| slot.to_owned()));
         note(source, noted);
     }
 

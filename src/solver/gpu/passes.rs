@@ -1,6 +1,6 @@
 //! The passes of a scene: which shader files, constants and buffers make each.
 
-use crate::gpu::{Binding, BlockLayout, Buffer, Constant, Element, Holds, PassSource, Real};
+use crate::gpu::{Binding, BlockLayout, Buffer, Constant, Element, Holds, PassSource};
 use crate::model::operator::SourceRows;
 use crate::solver::Precision;
 
@@ -160,19 +160,15 @@ pub(super) fn arithmetic(precision: Precision) -> [&'static str; 2] {
 
 /// Raises a flag if a value is not finite.
 pub fn finite(precision: Precision, workgroup_size: u32) -> PassSource {
-    let real = precision.real();
     let mut source = on_states("finite", precision, workgroup_size, &["state"]);
-    source.constants.push(("LARGEST", Constant::Real(real.largest())));
-    source.slots.push(is_finite(real).to_owned());
+    know_finite(&mut source);
     source
 }
 
-/// The shader file that knows finite numbers; passes that name it have a constant `LARGEST`.
-pub(super) fn is_finite(real: Real) -> &'static str {
-    match real {
-        Real::F32 => "precision/f32",
-        Real::F64 => "precision/f64",
-    }
+/// Has a pass know which numbers are finite.
+pub(super) fn know_finite(source: &mut PassSource) {
+    source.constants.push(("LARGEST", Constant::Real(source.real.largest())));
+    source.slots.push(format!("precision/{}", source.real.name()));
 }
 
 /// Raises a flag if two states differ.

@@ -203,12 +203,11 @@ impl Steps {
             }
             self.up_to_date = UpToDate::Potentials;
         }
-        if let Some(find) =
-            self.find_fronts[self.current].as_ref().filter(|_| !self.has_found_fronts)
-        {
-            device.submit([find])?;
+        if !std::mem::replace(&mut self.has_found_fronts, true) {
+            if let Some(find) = &self.find_fronts[self.current] {
+                device.submit([find])?;
+            }
         }
-        self.has_found_fronts = true;
         Ok(())
     }
 

@@ -3,7 +3,8 @@
 use crate::gpu::{Binding, BlockLayout, Constant, Element, PassSource};
 use crate::solver::Precision;
 use crate::solver::gpu::passes::{
-    COMBINATION, NO_SLOT, STEP_SIZE, WORKGROUP_SIZE, arithmetic, block, read, value, write,
+    COMBINATION, NO_SLOT, STEP_SIZE, WORKGROUP_SIZE, arithmetic, block, know_finite, read, value,
+    write,
 };
 
 /// Vectors that are added in one pass at most.
@@ -102,7 +103,10 @@ pub(super) fn dot(precision: Precision, capacities: bool) -> PassSource {
         write("sums", Element::Real4),
     ];
     let slot = capacity(&mut bindings, capacities);
-    reduction("vector_dot", precision, bindings, slot, ("LEAST", LEAST))
+    let mut source = reduction("vector_dot", precision, bindings);
+    source.constants.push(("LEAST", Constant::Real(LEAST)));
+    source.slots.push(slot.to_owned());
+    source
 }
 
 /// Sums over aggregates with capacities, by particle or one for all.
@@ -133,9 +137,9 @@ pub(super) fn prolong(precision: Precision) -> PassSource {
 /// The largest magnitudes in parts of a vector.
 pub(super) fn largest(precision: Precision) -> PassSource {
     let bindings = vec![read("one", value(precision)), write("sums", Element::Real4)];
-    let real = precision.real();
-    let slot = format!("precision/{}", real.name());
-    reduction("vector_largest", precision, bindings, &slot, ("LARGEST", real.largest()))
+    let mut source = reduction("vector_largest", precision, bindings);
+    know_finite(&mut source);
+    source
 }
 
 /// Sources of walls at their places.
@@ -162,17 +166,10 @@ pub(super) fn give(precision: Precision) -> PassSource {
     source("vector_give", precision, bindings)
 }
 
-fn reduction(
-    pass: &'static str,
-    precision: Precision,
-    bindings: Vec<Binding>,
-    slot: &str,
-    (name, number): (&'static str, f64),
-) -> PassSource {
+fn reduction(pass: &'static str, precision: Precision, bindings: Vec<Binding>) -> PassSource {
     let mut source = source(pass, precision, bindings);
     source.workgroup_size = REDUCING;
-    source.constants = vec![("ITEMS", Constant::Count(ITEMS)), (name, Constant::Real(number))];
-    source.slots.push(slot.to_owned());
+    source.constants.push(("ITEMS", Constant::Count(ITEMS)));
     source
 }
 
