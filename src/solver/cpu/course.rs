@@ -2,17 +2,20 @@
 //!
 //! With constant conductivities a change delta of the enthalpy takes the potential psi of a solid to psi + s delta,
 //! where s = d psi / d theta is the slope of solids, and that of a liquid by the slope of liquids. So a step reads
-//! and writes one value of a particle, as it does of a temperature. A potential does not tell the enthalpy of what
-//! melts: those particles are [`Latent`](super::latent::Latent).
+//! and writes one value of a particle, as it does of a temperature, and an operator can write it as it finds the rate.
+//! A potential does not tell the enthalpy of what melts: those particles are [`Latent`](super::latent::Latent), and
+//! what passes the melting point is looked for after the step.
 
+use std::ops::Range;
 use std::sync::Arc;
 
+use super::operator::Combine;
 use crate::model::material::Segment;
-use crate::model::wide::{Work, choose, multiply_add};
+use crate::model::wide::{Work, multiply_add};
 use crate::model::{HeatCurve, Material};
 
-/// Values that are worked on together, in registers.
-const FEW: usize = 16;
+/// Values that are looked at together.
+const FEW: usize = 32;
 /// The same at the end of a run.
 const FEWER: usize = 4;
 
@@ -72,6 +75,12 @@ impl Course {
         })
     }
 
+    /// A step of `dt` (s), which takes potentials on by rates of enthalpies.
+    pub(super) fn step(&self, dt: f64) -> Combine {
+        let factors = self.phases.each_ref().map(|phase| dt * phase.slope);
+        Combine { share: 1.0, factors, limit: self.melts }
+    }
+
     /// Whether a potential tells its enthalpy.
     pub(super) fn tells(&self, enthalpy: f64, potential: f64) -> bool {
         // No number tells nothing.
@@ -106,106 +115,92 @@ impl Course {
     }
 }
 
-/// Takes potentials a step on.
-pub(super) struct GoOn<'a> {
-    pub(super) course: &'a Course,
-    /// The potentials.
+/// Finds what passes the melting point in a step.
+pub(super) struct Crossings<'a, R> {
+    /// Places that follow each other, and what takes those of each run a step on.
+    pub(super) runs: R,
+    /// The potentials before it.
     pub(super) now: &'a [f64],
-    /// Rates of enthalpies, which become the potentials after the step.
+    /// Those after it, or where `of_rates` the rates, which become them.
     pub(super) out: &'a mut [f64],
-    pub(super) dt: f64,
-    /// Takes those that begin to melt or to freeze: their numbers from `first` on, and by how much their enthalpies
-    /// change. They keep their potentials.
-    pub(super) leaving: &'a mut Vec<(usize, f64)>,
+    pub(super) of_rates: bool,
+    /// Takes the places that do, where potentials are from place `first` on.
+    pub(super) found: &'a mut Vec<usize>,
     pub(super) first: usize,
 }
 
-impl Work for GoOn<'_> {
+impl<R: Iterator<Item = (Range<usize>, Combine)>> Work for Crossings<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Self { course, mut now, mut out, dt, leaving, mut first } = self;
-        let [solid, liquid] = course.phases.map(|phase| dt * phase.slope);
-        let step = Step { solid, liquid, melts: course.melts };
-        let mut leaves = |place: usize, rate: f64| leaving.push((place, dt * rate));
-        while let Some((these, more)) = now.split_first_chunk::<FEW>() {
-            let (rates, rest) = out.split_first_chunk_mut::<FEW>().expect("as many");
-            step.few::<FUSED, FEW>(these, rates, first, &mut leaves);
-            (now, out, first) = (more, rest, first + FEW);
-        }
-        // Runs between materials may be short.
-        while let Some((these, more)) = now.split_first_chunk::<FEWER>() {
-            let (rates, rest) = out.split_first_chunk_mut::<FEWER>().expect("as many");
-            step.few::<FUSED, FEWER>(these, rates, first, &mut leaves);
-            (now, out, first) = (more, rest, first + FEWER);
-        }
-        for (k, (now, out)) in now.iter().zip(out).enumerate() {
-            let (now, out) = (std::array::from_ref(now), std::array::from_mut(out));
-            step.few::<FUSED, 1>(now, out, first + k, &mut leaves);
+        match self.of_rates {
+            true => self.look::<FUSED, true>(),
+            false => self.look::<FUSED, false>(),
         }
     }
 }
 
-/// A step of potentials.
-#[derive(Clone, Copy)]
-struct Step {
-    /// Rises with a rate of a solid and of a liquid, s.
-    solid: f64,
-    liquid: f64,
-    /// See [`Course`].
-    melts: f64,
-}
-
-impl Step {
-    /// How far melting is above a potential: of a liquid by its sign a negative number, which a choice takes as it
-    /// is.
+impl<R: Iterator<Item = (Range<usize>, Combine)>> Crossings<'_, R> {
     #[inline(always)]
-    fn above(self, potential: f64) -> f64 {
-        self.melts - potential
-    }
-
-    #[inline(always)]
-    fn one<const FUSED: bool>(self, now: f64, rate: f64) -> f64 {
-        let rise = choose(self.above(now).is_sign_negative(), self.liquid, self.solid);
-        multiply_add::<FUSED>(rise, rate, now)
-    }
-
-    /// Takes a few on, from place `first` on, whose rates are in `out`; calls `leaves` with what begins to melt or to
-    /// freeze and its rate.
-    #[inline(always)]
-    fn few<const FUSED: bool, const COUNT: usize>(
-        self,
-        now: &[f64; COUNT],
-        out: &mut [f64; COUNT],
-        first: usize,
-        leaves: &mut dyn FnMut(usize, f64),
-    ) {
-        let (mut next, mut any) = ([0.0; COUNT], 0);
-        for x in 0..COUNT {
-            next[x] = self.one::<FUSED>(now[x], out[x]);
-            // Bits of signs, since a processor puts them together for several at once.
-            any |= self.above(now[x]).to_bits() ^ self.above(next[x]).to_bits();
-        }
-        if any >> 63 == 0 {
-            *out = next;
-        } else {
-            self.some(now, out, first, leaves);
-        }
-    }
-
-    /// The same one by one: rarely needed, and beside the others it would keep them from staying in registers.
-    #[cold]
-    #[inline(never)]
-    fn some(self, now: &[f64], out: &mut [f64], first: usize, leaves: &mut dyn FnMut(usize, f64)) {
-        for (x, (&now, out)) in now.iter().zip(out).enumerate() {
-            let rate = *out;
-            let next = self.one::<false>(now, rate);
-            let changes = self.above(now).is_sign_negative() != self.above(next).is_sign_negative();
-            if changes {
-                leaves(first + x, rate);
+    fn look<const FUSED: bool, const RATES: bool>(self) {
+        let Self { runs, now, out, found, first, .. } = self;
+        for (run, step) in runs {
+            let (mut start, local) = (run.start, run.start - first..run.end - first);
+            let (mut now, mut out) = (&now[local.clone()], &mut out[local]);
+            while let Some((few, rest)) = now.split_first_chunk::<FEW>() {
+                let (these, others) = out.split_first_chunk_mut::<FEW>().expect("as many");
+                if any_crosses::<FUSED, RATES, FEW>(step, few, these) {
+                    find(step, few, these, found, start);
+                }
+                (now, out, start) = (rest, others, start + FEW);
             }
-            *out = if changes { now } else { next };
+            // Runs between materials may be short.
+            while let Some((few, rest)) = now.split_first_chunk::<FEWER>() {
+                let (these, others) = out.split_first_chunk_mut::<FEWER>().expect("as many");
+                if any_crosses::<FUSED, RATES, FEWER>(step, few, these) {
+                    find(step, few, these, found, start);
+                }
+                (now, out, start) = (rest, others, start + FEWER);
+            }
+            for ((now, out), place) in now.iter().zip(out).zip(start..) {
+                let (now, out) = (std::array::from_ref(now), std::array::from_mut(out));
+                if any_crosses::<FUSED, RATES, 1>(step, now, out) {
+                    found.push(place);
+                }
+            }
+        }
+    }
+}
+
+/// Whether any of a few potentials passes the melting point; with `RATES`, takes them on by these, which are in `out`.
+#[inline(always)]
+fn any_crosses<const FUSED: bool, const RATES: bool, const COUNT: usize>(
+    step: Combine,
+    now: &[f64; COUNT],
+    out: &mut [f64; COUNT],
+) -> bool {
+    let (mut next, mut any) = (*out, 0);
+    for x in 0..COUNT {
+        if RATES {
+            next[x] = multiply_add::<FUSED>(step.factor(now[x]), out[x], now[x]);
+        }
+        // Bits of signs, since a processor puts them together for several at once.
+        any |= step.above(now[x]).to_bits() ^ step.above(next[x]).to_bits();
+    }
+    if RATES {
+        *out = next;
+    }
+    any >> 63 != 0
+}
+
+/// Finds those of a few that do: rarely needed.
+#[cold]
+#[inline(never)]
+fn find(step: Combine, now: &[f64], next: &[f64], found: &mut Vec<usize>, first: usize) {
+    for ((&now, &next), place) in now.iter().zip(next).zip(first..) {
+        if step.above(now).is_sign_negative() != step.above(next).is_sign_negative() {
+            found.push(place);
         }
     }
 }
@@ -240,30 +235,52 @@ mod tests {
         (0..5000).map(|k| 250.03 + 0.1 * f64::from(k))
     }
 
+    /// The potentials after a step of `dt` (s), and what passes the melting point in it.
+    fn after(course: &Course, now: &[f64], rates: Vec<f64>, dt: f64) -> (Vec<f64>, Vec<usize>) {
+        let find = |of_rates: bool, mut out: Vec<f64>| {
+            let middle = now.len() / 2;
+            let runs = [0..middle, middle..now.len()]
+                .map(|run| (7 + run.start..7 + run.end, course.step(dt)));
+            let (runs, mut found) = (runs.into_iter(), Vec::new());
+            wide::run(Crossings {
+                runs,
+                now,
+                out: &mut out,
+                of_rates,
+                found: &mut found,
+                first: 7,
+            });
+            (out, found.iter().map(|place| place - 7).collect())
+        };
+        let after = find(true, rates);
+        assert_eq!(find(false, after.0.clone()), after, "what the operator wrote remains");
+        after
+    }
+
     #[test]
     fn potentials_go_where_their_enthalpies_do() {
         let course = Course::of(&melts()).expect("a straight curve");
         let told = |enthalpy: &f64| course.tells(*enthalpy, course.potential(*enthalpy));
         let before: Vec<f64> = enthalpies().filter(told).collect();
         let now: Vec<f64> = before.iter().map(|h| course.potential(*h)).collect();
-        let change = |k: usize| 0.7 * ((7 * k % 31) as f64 - 15.0);
-        let mut out: Vec<f64> = (0..before.len()).map(change).collect();
-        let (mut leaving, dt) = (Vec::new(), 0.5);
-        let (course, now, first) = (&course, &now[..], 0);
-        wide::run(GoOn { course, now, out: &mut out, dt, leaving: &mut leaving, first });
+        let (change, dt) = (|k: usize| 0.7 * ((7 * k % 31) as f64 - 15.0), 0.5);
+        let rates: Vec<f64> = (0..before.len()).map(change).collect();
+        let (out, crossings) = after(&course, &now, rates.clone(), dt);
         let mut off: f64 = 0.0;
         for (k, (before, after)) in before.iter().zip(&out).enumerate() {
-            let expected = course.potential(before + dt * change(k));
-            match leaving.binary_search_by_key(&k, |&(place, _)| place) {
-                Ok(found) => {
-                    assert_eq!(leaving[found].1, dt * change(k));
-                    assert_eq!(*after, now[k], "it keeps its potential");
+            let enthalpy = before + dt * change(k);
+            let expected = course.potential(enthalpy);
+            match crossings.binary_search(&k) {
+                Ok(_) => {
+                    let [rate, rest] = course.step(dt).parts(now[k], *after);
+                    assert!((rate - rates[k]).abs() < 1e-11 && rest == now[k], "{k}: {rate}");
+                    assert!((after - expected).abs() > 1e-12, "it does not go on as it was");
                 }
                 Err(_) => off = off.max((after - expected).abs()),
             }
         }
         assert!(off < 1e-10, "{off:e}");
-        assert!(!leaving.is_empty() && leaving.len() < before.len() / 5, "few leave");
+        assert!(!crossings.is_empty() && crossings.len() < before.len() / 5, "few cross");
     }
 
     #[test]
@@ -291,18 +308,21 @@ mod tests {
         assert!(course.tells(1e9, 1e9) && !course.tells(f64::NAN, f64::NAN));
         assert_eq!([course.potential(450.0), course.enthalpy(450.0)], [450.0; 2]);
         assert_eq!(course.state(450.0), [450.0, 450.0, 300.0]);
-        let now: Vec<f64> = enthalpies().take(21).collect();
-        let (mut out, mut leaving) = (vec![4.0; now.len()], Vec::new());
-        let go_on = GoOn {
-            course: &course,
-            now: &now,
-            out: &mut out,
-            dt: 0.5,
-            leaving: &mut leaving,
-            first: 0,
-        };
-        wide::run(go_on);
-        assert!(out.iter().zip(&now).all(|(out, now)| *out == now + 2.0) && leaving.is_empty());
+        let now: Vec<f64> = enthalpies().take(41).collect();
+        let (out, crossings) = after(&course, &now, vec![4.0; now.len()], 0.5);
+        assert!(out.iter().zip(&now).all(|(out, now)| *out == now + 2.0) && crossings.is_empty());
+    }
+
+    #[test]
+    fn crossings_are_found_wherever_they_are() {
+        let course = Course::of(&melts()).expect("a straight curve");
+        for length in [1, 3, 4, 31, 32, 39, 77, 150] {
+            for place in 0..length {
+                let (now, mut rates) = (vec![course.potential(500.0); length], vec![-1.0; length]);
+                rates[place] = 1e-9;
+                assert_eq!(after(&course, &now, rates, 0.5).1, [place], "of {length}");
+            }
+        }
     }
 
     #[test]

@@ -104,7 +104,7 @@ impl Enthalpy {
             latent
         };
         let parts: Vec<Latent> = parts.map(latent).collect();
-        Latent::of_parts(parts)
+        Latent::of_parts(&parts)
     }
 
     /// Finds all enthalpies after Euler's steps, where potentials are `now` by the order of `operator`.
@@ -175,6 +175,11 @@ impl Enthalpy {
         };
         let given: Vec<f64> = rates.par_chunks_mut(CHUNK).enumerate().map(add).collect();
         given.iter().sum()
+    }
+
+    /// What does not change of it.
+    pub(super) fn scene(&self) -> &HeatScene {
+        &self.scene
     }
 
     /// Takes what steps know after one.

@@ -11,12 +11,17 @@ pub(super) struct Latent {
 }
 
 impl Latent {
+    /// None, with room for so many.
+    pub(super) fn with_room(count: usize) -> Self {
+        Self { places: Vec::with_capacity(count), enthalpies: Vec::with_capacity(count) }
+    }
+
     /// Puts parts together that follow each other.
-    pub(super) fn of_parts(parts: impl IntoIterator<Item = Self>) -> Self {
-        let mut all = Self::default();
+    pub(super) fn of_parts(parts: &[Self]) -> Self {
+        let mut all = Self::with_room(parts.iter().map(|part| part.places.len()).sum());
         for part in parts {
-            all.places.extend(part.places);
-            all.enthalpies.extend(part.enthalpies);
+            all.places.extend_from_slice(&part.places);
+            all.enthalpies.extend_from_slice(&part.enthalpies);
         }
         all
     }

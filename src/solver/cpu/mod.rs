@@ -300,7 +300,7 @@ impl Backend for CpuBackend {
         out: &mut CpuVector,
     ) -> Result<(), SolverError> {
         let now = Now::change(&x.values);
-        let combine = Combine { share, scale };
+        let combine = Combine::new(share, scale);
         let given = operator::apply(&*self.operator, &now, &mut out.values, combine);
         out.given = share * x.given + scale * given;
         Ok(())

@@ -7,21 +7,95 @@ use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
 use super::partial_step::{PartialStep, WholeStep};
 use crate::model::operator::SourceRows;
+use crate::model::wide::{self, Work, choose, multiply_add};
 
-/// What is written at each place: `share` x value + `scale` x rate.
+/// What is written at each place: `share` x value + a factor x rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Combine {
     pub(super) share: f64,
-    pub(super) scale: f64,
+    /// The factor where values are not above a limit, and where they are.
+    pub(super) factors: [f64; 2],
+    pub(super) limit: f64,
 }
 
 /// The rate alone.
-pub(super) const RATE: Combine = Combine { share: 0.0, scale: 1.0 };
+pub(super) const RATE: Combine = Combine::new(0.0, 1.0);
 
 impl Combine {
+    /// With one factor for all.
+    pub(super) const fn new(share: f64, factor: f64) -> Self {
+        Self { share, factors: [factor; 2], limit: f64::INFINITY }
+    }
+
     /// An explicit Euler step of `dt` (s).
-    pub(super) fn step(dt: f64) -> Self {
-        Self { share: 1.0, scale: dt }
+    pub(super) const fn step(dt: f64) -> Self {
+        Self::new(1.0, dt)
+    }
+
+    /// The same where all rates are to be multiplied by a number.
+    pub(super) fn times(self, by: f64) -> Self {
+        Self { factors: self.factors.map(|factor| by * factor), ..self }
+    }
+
+    /// Whether the factor depends on the value.
+    pub(super) fn has_limit(self) -> bool {
+        self.factors[0] != self.factors[1]
+    }
+
+    /// How far the limit is above a value: of a value above it by its sign a negative number, which a choice takes as
+    /// it is.
+    #[inline(always)]
+    pub(super) fn above(self, own: f64) -> f64 {
+        self.limit - own
+    }
+
+    /// The factor at a value.
+    #[inline(always)]
+    pub(super) fn factor(self, own: f64) -> f64 {
+        choose(self.above(own).is_sign_negative(), self.factors[1], self.factors[0])
+    }
+
+    /// What is written.
+    #[inline(always)]
+    pub(super) fn of(self, own: f64, rate: f64) -> f64 {
+        self.share * own + self.factor(own) * rate
+    }
+
+    /// Writes it where rates are, which are in `out`.
+    pub(super) fn write(self, own: &[f64], out: &mut [f64]) {
+        wide::run(OfRates { combine: self, own, out });
+    }
+
+    /// The rate in what was written, and what is written without one.
+    pub(super) fn parts(self, own: f64, written: f64) -> [f64; 2] {
+        let rest = self.share * own;
+        [(written - rest) / self.factor(own), rest]
+    }
+}
+
+/// See [`Combine::write`].
+struct OfRates<'a> {
+    combine: Combine,
+    own: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl Work for OfRates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self { combine, own, out } = self;
+        let Combine { share, factors: [factor, _], .. } = combine;
+        if combine.has_limit() {
+            for (out, &own) in out.iter_mut().zip(own) {
+                *out = multiply_add::<FUSED>(combine.factor(own), *out, share * own);
+            }
+        } else {
+            for (out, &own) in out.iter_mut().zip(own) {
+                *out = multiply_add::<FUSED>(factor, *out, share * own);
+            }
+        }
     }
 }
 
@@ -102,10 +176,10 @@ pub(super) trait CpuOperator: Send + Sync {
     fn memory_bytes(&self) -> u64;
 }
 
-/// Parts at most of a step that finds all rates first.
+/// Parts at most of a step in which the operator writes everything first.
 const PARTS: usize = 8;
 
-/// A step of an enthalpy that finds all rates first.
+/// A step of an enthalpy in which the operator writes everything first.
 fn step_in_turn<O: CpuOperator + ?Sized>(
     operator: &O,
     now: &Now<'_>,
@@ -113,11 +187,11 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    let given = operator.apply(now, out, RATE);
     // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
     // the number of threads.
     let task = out.len().div_ceil(PARTS).max(CHUNK);
-    let step = WholeStep { operator, now: now.values, dt, task };
+    let step = WholeStep::new(operator, now.values, dt, task, enthalpy.scene());
+    let given = operator.apply(now, out, step.written());
     let take_on = |_: &mut (), step: &mut PartialStep<'_, O>, out: &mut [f64]| {
         step.take_on(out, out.len());
         0.0

@@ -1,22 +1,22 @@
-//! One of Euler's steps of some places, while their rates come in.
+//! One of Euler's steps of some places, while an operator writes them.
 //!
-//! Rates are added to, and become potentials, as soon as nothing is missing: while they are in a fast cache.
+//! What it writes is added to, and becomes potentials, as soon as nothing is missing: while it is in a fast cache.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::course::{Course, GoOn};
+use super::course::{Course, Crossings};
 use super::enthalpy::{Begun, Enthalpy, HeatScene};
 use super::fronts::Queue;
 use super::latent::Latent;
-use super::operator::CpuOperator;
+use super::operator::{Combine, CpuOperator, RATE};
 use super::seam_step::SeamStep;
 use crate::model::operator::{take_below, within, within_near};
 use crate::model::wide;
 
 /// Values that are worked on together: parts are whole numbers of them but for the last.
-const FEW: usize = 16;
+const FEW: usize = 32;
 
 /// Below this many places one thread is faster than handing out tasks for every step.
 pub(super) const SERIAL: usize = 1 << 15;
@@ -40,21 +40,48 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     melting: Range<usize>,
     latent: Latent,
     given: f64,
+    /// Places that change their phase, and their enthalpies; and the places of some of them.
+    changed: Vec<(usize, f64)>,
+    crossings: Vec<usize>,
 }
 
 /// A step of all places.
 pub(super) struct WholeStep<'a, O: ?Sized> {
-    pub(super) operator: &'a O,
+    operator: &'a O,
     /// Potentials as the step begins.
-    pub(super) now: &'a [f64],
+    now: &'a [f64],
     /// s
-    pub(super) dt: f64,
+    dt: f64,
     /// Places of a task.
-    pub(super) task: usize,
+    task: usize,
+    /// How potentials go on, by course, if there are any.
+    steps: Vec<Combine>,
+    /// What the operator writes: one of these, or rates.
+    written: Combine,
 }
 
-impl<O: CpuOperator + ?Sized> WholeStep<'_, O> {
-    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` finds the rates of a task's
+impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
+    /// A step of `dt` (s) of a scene with potentials `now`, in tasks of so many places.
+    pub(super) fn new(
+        operator: &'a O,
+        now: &'a [f64],
+        dt: f64,
+        task: usize,
+        scene: &HeatScene,
+    ) -> Self {
+        let courses = scene.curves.courses().unwrap_or_default();
+        let steps: Vec<Combine> = courses.iter().map(|course| course.step(dt)).collect();
+        // Where materials meet something is to be added to rates first.
+        let written = if let ([one], None) = (&steps[..], &scene.seams) { *one } else { RATE };
+        Self { operator, now, dt, task, steps, written }
+    }
+
+    /// What the operator is to write.
+    pub(super) fn written(&self) -> Combine {
+        self.written
+    }
+
+    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` has the operator write a task's
     /// places with what `scratch` has made, has them [taken on](PartialStep::take_on) and returns what held particles
     /// gave so far; returns what they gave together, value x capacity / s.
     pub(super) fn take<S>(
@@ -93,7 +120,7 @@ impl<O: CpuOperator + ?Sized> WholeStep<'_, O> {
             tasks.into_par_iter().with_max_len(1).map_init(scratch, work).collect()
         };
         let (given, latent): (Vec<f64>, Vec<Latent>) = done.into_iter().unzip();
-        let latent = Latent::of_parts(latent);
+        let latent = Latent::of_parts(&latent);
         enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
         given.iter().sum()
     }
@@ -114,6 +141,8 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             None => Queue::default(),
         };
         let melting = within(before.places(), &places);
+        // About as many as before.
+        let count = melting.len() + melting.len() / 4;
         Self {
             all,
             scene,
@@ -125,8 +154,10 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             fronts,
             has_fronts: false,
             melting,
-            latent: Latent::default(),
+            latent: Latent::with_room(count),
             given: 0.0,
+            changed: Vec::new(),
+            crossings: Vec::new(),
         }
     }
 
@@ -135,11 +166,11 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         self.places.clone()
     }
 
-    /// Takes on what nothing is missing of: of the first `known` places, rates are in `out`, where potentials
-    /// after the step are written.
+    /// Takes on what nothing is missing of: of the first `known` places the operator has written everything to `out`,
+    /// where potentials after the step are written.
     pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
         let first = self.places.start;
-        let WholeStep { operator, now, .. } = *self.all;
+        let WholeStep { operator, now, written, .. } = *self.all;
         let (scene, before) = (self.scene, self.before);
         if let Some(seams) = &mut self.seams {
             self.given += seams.add(first + known, first, out);
@@ -148,7 +179,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         if let Some(fronts) = &scene.fronts {
             let seen = first + known;
             for which in self.fronts.next(before, seen, known == out.len()) {
-                fronts.add(before, which, operator, now, first, &mut out[..known]);
+                fronts.add(before, which, operator, now, written, first, &mut out[..known]);
                 self.has_fronts = true;
             }
             ready = self.fronts.untouched(before, seen).saturating_sub(first).max(self.done);
@@ -157,12 +188,11 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             // The rest with those that follow.
             ready -= (ready - self.done) % FEW;
         }
-        if let Some(fronts) = scene.fronts.as_ref().filter(|_| self.has_fronts) {
-            let held = first + self.done..first + ready;
-            self.given += fronts.take_held(operator, held, first, out);
-        }
         if ready > self.done {
             let (from, out) = (first + self.done, &mut out[self.done..ready]);
+            if self.has_fronts {
+                self.take_held(from, out);
+            }
             let latent_so_far = self.latent.places().len();
             match scene.curves.courses() {
                 Some(courses) => self.go_on(courses, from, out),
@@ -173,35 +203,50 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         }
     }
 
-    /// Takes places from `first` on a step further by their potentials.
+    /// The rate in what is written of a place, 1/s x value, which is taken out.
+    fn take_rate(&self, place: usize, out: &mut f64) -> f64 {
+        let [rate, rest] = self.all.written.parts(self.all.now[place], *out);
+        *out = rest;
+        rate
+    }
+
+    /// Takes what fronts have added to held particles from places from `first` on.
+    fn take_held(&mut self, first: usize, out: &mut [f64]) {
+        let held = self.all.operator.held();
+        let Some(fronts) = &self.scene.fronts else {
+            return;
+        };
+        for &held in &held[within(held, &(first..first + out.len()))] {
+            let held = held as usize;
+            self.given -= fronts.capacity(held) * self.take_rate(held, &mut out[held - first]);
+        }
+    }
+
+    /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts or passes the
+    /// melting point.
     fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
-        let WholeStep { operator, now, dt, .. } = *self.all;
+        let (mut changed, mut crossings) =
+            (std::mem::take(&mut self.changed), std::mem::take(&mut self.crossings));
+        let WholeStep { now, dt, ref steps, written, .. } = *self.all;
         let (curves, before) = (&self.scene.curves, self.before);
         let places = first..first + out.len();
-        let now = &now[places.clone()];
-        let melting = take_below(before.places(), &mut self.melting, places.end);
-        let take = |which: usize| {
-            let (place, enthalpy) = before.one(which);
-            (place, enthalpy + dt * std::mem::take(&mut out[place - first]))
-        };
-        let mut changed: Vec<(usize, f64)> = melting.map(take).collect();
-        let mut leaving = Vec::new();
-        for (run, which) in curves.runs(places) {
-            operator.for_each_present(run, &mut |places| {
-                let local = places.start - first..places.end - first;
-                let (now, out) = (&now[local.clone()], &mut out[local]);
-                let (course, first) = (&courses[which], places.start);
-                wide::run(GoOn { course, now, out, dt, leaving: &mut leaving, first });
-            });
+        for melting in take_below(before.places(), &mut self.melting, places.end) {
+            let (place, enthalpy) = before.one(melting);
+            changed.push((place, enthalpy + dt * self.take_rate(place, &mut out[place - first])));
         }
+        let runs = curves.runs(places.clone()).map(|(run, which)| (run, steps[which]));
+        let (now, found, of_rates) = (&now[places], &mut crossings, written == RATE);
+        wide::run(Crossings { runs, now, out: &mut *out, of_rates, found, first });
         let course = |place: usize| &courses[curves.which(place)];
-        if !leaving.is_empty() {
-            let enthalpy = |place: usize| course(place).enthalpy(now[place - first]);
-            let leaving = leaving.into_iter();
-            changed.extend(leaving.map(|(place, change)| (place, enthalpy(place) + change)));
+        if !crossings.is_empty() {
+            changed.extend(crossings.drain(..).map(|place| {
+                let now = now[place - first];
+                let [rate, _] = steps[curves.which(place)].parts(now, out[place - first]);
+                (place, course(place).enthalpy(now) + dt * rate)
+            }));
             changed.sort_unstable_by_key(|&(place, _)| place);
         }
-        for (place, enthalpy) in changed {
+        for (place, enthalpy) in changed.drain(..) {
             let course = course(place);
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
@@ -209,6 +254,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 self.latent.push(place, enthalpy);
             }
         }
+        (self.changed, self.crossings) = (changed, crossings);
     }
 
     /// Takes places from `first` on a step further by their enthalpies.

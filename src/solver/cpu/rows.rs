@@ -66,9 +66,8 @@ impl CpuOperator for StoredRows {
     }
 
     fn apply(&self, now: &Now<'_>, out: &mut [f64], combine: Combine) -> f64 {
-        let Combine { share, scale } = combine;
         let source = now.source.unwrap_or(&[]);
-        self.rows.apply(now.values, source, out, |own, rate| share * own + scale * rate);
+        self.rows.apply(now.values, source, out, |own, rate| combine.of(own, rate));
         // What holding the values takes: the negative of what the held rows would gain.
         let gains = self.rows.held_rates(now.values).zip(&self.held_capacity);
         -gains.map(|(rate, capacity)| capacity * rate).sum::<f64>()

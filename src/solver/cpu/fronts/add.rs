@@ -3,10 +3,13 @@
 use std::ops::Range;
 
 use super::FrontFlows;
-use crate::model::wide::{Work, choose};
+use crate::model::wide::{Work, multiply_add};
 use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
 use crate::solver::cpu::latent::Latent;
-use crate::solver::cpu::operator::CpuOperator;
+use crate::solver::cpu::operator::{Combine, CpuOperator};
+
+/// Particles that are worked on together.
+const FEW: usize = 16;
 
 /// Adds the flows of some latent particles.
 pub(super) struct Add<'a, O: ?Sized> {
@@ -15,28 +18,38 @@ pub(super) struct Add<'a, O: ?Sized> {
     pub(super) which: Range<usize>,
     pub(super) operator: &'a O,
     pub(super) potentials: &'a [f64],
-    /// The places whose rates are here.
+    /// What is made of rates.
+    pub(super) written: Combine,
+    /// The places where that is here.
     pub(super) own: Range<usize>,
-    pub(super) rates: &'a mut [f64],
+    pub(super) out: &'a mut [f64],
 }
 
-/// Potential of a melting particle, and how much more than the operator has of it flows to a liquid and to a solid
-/// neighbour, in parts.
+/// What flows to a melting particle beside what the operator has of it, as what is made of rates changes.
 #[derive(Clone, Copy, Default)]
 struct Flow {
+    /// Of the particle, K.
     potential: f64,
-    to_liquid: f64,
-    to_solid: f64,
+    /// From a solid neighbour, and from a liquid one: how many times weight and difference are taken from what is
+    /// written of it.
+    solid: f64,
+    liquid: f64,
+    /// How many times more the particle gains of the latter.
+    more: f64,
 }
 
 impl Flow {
     /// That of a particle with an enthalpy (K) in a place: nothing if it does not melt.
     #[inline(always)]
-    fn of(fronts: &FrontFlows, place: usize, enthalpy: f64) -> Self {
+    fn of(fronts: &FrontFlows, written: Combine, place: usize, enthalpy: f64) -> Self {
         match fronts.front(place) {
             Some(front) if front.is_in(enthalpy) => {
-                let [to_liquid, to_solid] = fronts.fronts.excess(front, enthalpy);
-                Self { potential: front.potential, to_liquid, to_solid }
+                let [liquid, solid] = fronts.fronts.excess(front, enthalpy);
+                let [of_solid, of_liquid] = written.factors;
+                // What melts is not above where it does.
+                let more = (of_solid - of_liquid) * liquid;
+                let (solid, liquid) = (of_solid * solid, of_liquid * liquid);
+                Self { potential: front.potential, solid, liquid, more }
             }
             _ => Self::default(),
         }
@@ -44,21 +57,40 @@ impl Flow {
 
     #[inline(always)]
     fn is_none(self) -> bool {
-        self.to_liquid == 0.0 && self.to_solid == 0.0
+        self.solid == 0.0 && self.liquid == 0.0
     }
 
     /// That where all weights are to be multiplied by a factor.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {
-        let Self { potential, to_liquid, to_solid } = self;
-        Self { potential, to_liquid: factor * to_liquid, to_solid: factor * to_solid }
+        let Self { potential, solid, liquid, more } = self;
+        Self { potential, solid: factor * solid, liquid: factor * liquid, more: factor * more }
     }
 
-    /// From a neighbour of some potential and weight. What melts too has the same potential, and gives nothing.
+    /// What is taken from a neighbour of some potential and weight, and how much of that is liquid, times weight and
+    /// difference. What melts too has the same potential, and gives nothing.
     #[inline(always)]
-    fn from(self, other: f64, weight: f64) -> f64 {
+    fn from<const FUSED: bool>(self, other: f64, weight: f64) -> [f64; 2] {
         let above = other - self.potential;
-        weight * choose(above < 0.0, self.to_solid, self.to_liquid) * above
+        let of_solid = weight * if above < 0.0 { above } else { 0.0 };
+        let of_liquid = weight * if above > 0.0 { above } else { 0.0 };
+        [multiply_add::<FUSED>(self.solid, of_solid, self.liquid * of_liquid), of_liquid]
+    }
+}
+
+/// What a particle gains, in parts that are added together at last.
+#[derive(Clone, Copy, Default)]
+struct Gain {
+    taken: [f64; LANES],
+    of_liquid: [f64; LANES],
+}
+
+impl Gain {
+    /// All of it.
+    #[inline(always)]
+    fn sum(&self, flow: Flow) -> f64 {
+        let sum = |parts: &[f64; LANES]| (parts[0] + parts[1]) + (parts[2] + parts[3]);
+        sum(&self.taken) + flow.more * sum(&self.of_liquid)
     }
 }
 
@@ -67,112 +99,151 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Self { of, latent, which, operator, potentials, own, rates } = self;
+        let Self { of, latent, which, operator, potentials, written, own, out } = self;
         let (places, enthalpies) = (&latent.places()[which.clone()], &latent.enthalpies()[which]);
-        // All before any is needed, since a processor divides several at once.
-        let mut flows = vec![Flow::default(); places.len()];
-        for ((flow, &place), &enthalpy) in flows.iter_mut().zip(places).zip(enthalpies) {
-            *flow = Flow::of(of, place as usize, enthalpy);
-        }
-        // What they gain, in parts that are added together at last.
-        let mut gains = vec![[0.0; LANES]; places.len()];
         let mut near = Near::default();
-        for ((&place, &flow), gain) in places.iter().zip(&flows).zip(&mut gains) {
-            if flow.is_none() {
-                continue;
+        for (places, enthalpies) in places.chunks(FEW).zip(enthalpies.chunks(FEW)) {
+            // All before any is needed, since a processor divides several at once.
+            let mut flows = [Flow::default(); FEW];
+            for ((flow, &place), &enthalpy) in flows.iter_mut().zip(places).zip(enthalpies) {
+                *flow = Flow::of(of, written, place as usize, enthalpy);
             }
-            let place = place as usize;
-            let mut add = |other: usize, weight: f64| {
-                let Some(ratio) = of.ratio(place, other) else {
-                    return;
-                };
-                let flow = flow.from(potentials[other], weight);
-                gain[0] += flow;
-                if let Some(rate) = rates.get_mut(other.wrapping_sub(own.start)) {
-                    *rate -= flow * ratio;
+            let mut gains = [Gain::default(); FEW];
+            for ((&place, flow), gain) in places.iter().zip(&mut flows).zip(&mut gains) {
+                if flow.is_none() {
+                    continue;
                 }
-            };
-            match operator.entries(place, &mut near) {
-                Entries::Lines(lines, factor) => {
-                    let start = lines.start(place);
-                    match potentials.get(start..start + lines.span()) {
-                        Some(around) if of.is_alike(place) => {
-                            let first = start.wrapping_sub(own.start);
-                            let is_own = own.contains(&place);
-                            *gain = along(lines, flow.times(factor), around, first, is_own, rates);
+                let place = place as usize;
+                let mut add = |other: usize, weight: f64| {
+                    let Some(ratio) = of.ratio(place, other) else {
+                        return;
+                    };
+                    let [taken, of_liquid] = flow.from::<FUSED>(potentials[other], weight);
+                    gain.taken[0] += taken;
+                    gain.of_liquid[0] += of_liquid;
+                    if let Some(out) = out.get_mut(other.wrapping_sub(own.start)) {
+                        *out -= taken * ratio;
+                    }
+                };
+                match operator.entries(place, &mut near) {
+                    Entries::Lines(lines, factor) => {
+                        let start = lines.start(place);
+                        match potentials.get(start..start + lines.span()) {
+                            Some(around) if of.is_alike(place) => {
+                                *flow = flow.times(factor);
+                                let first = start.wrapping_sub(own.start);
+                                let is_own = own.contains(&place);
+                                let all = first..first.wrapping_add(around.len());
+                                *gain = match out.get_mut(all) {
+                                    Some(out) => along_all::<FUSED>(lines, *flow, around, out),
+                                    None => along_some::<FUSED>(
+                                        lines, *flow, around, first, is_own, out,
+                                    ),
+                                };
+                            }
+                            _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                         }
-                        _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
+                    }
+                    Entries::Row(others, weights) => {
+                        let entries = others.iter().zip(weights);
+                        entries.for_each(|(&other, &weight)| add(other as usize, weight));
                     }
                 }
-                Entries::Row(others, weights) => {
-                    let entries = others.iter().zip(weights);
-                    entries.for_each(|(&other, &weight)| add(other as usize, weight));
-                }
             }
-        }
-        for (&place, gain) in places.iter().zip(&gains) {
-            if let Some(rate) = rates.get_mut((place as usize).wrapping_sub(own.start)) {
-                *rate += (gain[0] + gain[1]) + (gain[2] + gain[3]);
+            for ((&place, flow), gain) in places.iter().zip(&flows).zip(&gains) {
+                if let Some(out) = out.get_mut((place as usize).wrapping_sub(own.start)) {
+                    *out += gain.sum(*flow);
+                }
             }
         }
     }
 }
 
-/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from the `rates`
-/// of these as far as they are there, where the first line begins at `first`; returns what they are together, in
-/// parts, if the particle `is_own`: there, what lies beyond counts too.
+/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in `out`
+/// of these; returns what the particle gains.
 #[inline(always)]
-fn along(
+fn along_all<const FUSED: bool>(
+    lines: &Lines,
+    flow: Flow,
+    around: &[f64],
+    out: &mut [f64],
+) -> Gain {
+    let mut gain = Gain::default();
+    let out = &mut out[..around.len()];
+    for (ahead, weights) in lines.all() {
+        let line = *ahead..*ahead + LANES;
+        let others: &[f64; LANES] = around[line.clone()].try_into().expect("a line's length");
+        let (mut taken, mut of_liquid) = ([0.0; LANES], [0.0; LANES]);
+        for x in 0..LANES {
+            [taken[x], of_liquid[x]] = flow.from::<FUSED>(others[x], weights[x]);
+        }
+        let out: &mut [f64; LANES] = (&mut out[line]).try_into().expect("a line's length");
+        for x in 0..LANES {
+            out[x] -= taken[x];
+        }
+        for x in 0..LANES {
+            gain.taken[x] += taken[x];
+            gain.of_liquid[x] += of_liquid[x];
+        }
+    }
+    gain
+}
+
+/// The same as far as they are in `out`, where the first line begins at `first`; what the particle gains counts if it
+/// `is_own`: what lies beyond too.
+#[inline(always)]
+fn along_some<const FUSED: bool>(
     lines: &Lines,
     flow: Flow,
     around: &[f64],
     first: usize,
     is_own: bool,
-    rates: &mut [f64],
-) -> [f64; LANES] {
-    let mut gains = [0.0; LANES];
-    let count = rates.len();
+    out: &mut [f64],
+) -> Gain {
+    let mut gain = Gain::default();
+    let count = out.len();
     for (ahead, weights) in lines.all() {
         let to = first.wrapping_add(*ahead);
-        let rates_there = rates.get_mut(to..to.wrapping_add(LANES));
-        if rates_there.is_none() && !is_own && is_beyond(to, count) {
+        let there = out.get_mut(to..to.wrapping_add(LANES));
+        if there.is_none() && !is_own && is_beyond(to, count) {
             continue;
         }
         let others: &[f64; LANES] =
             around[*ahead..*ahead + LANES].try_into().expect("a line's length");
-        let mut flows = [0.0; LANES];
+        let (mut taken, mut of_liquid) = ([0.0; LANES], [0.0; LANES]);
         for x in 0..LANES {
-            flows[x] = flow.from(others[x], weights[x]);
+            [taken[x], of_liquid[x]] = flow.from::<FUSED>(others[x], weights[x]);
         }
-        match rates_there {
-            Some(rates) => {
+        match there {
+            Some(out) => {
                 for x in 0..LANES {
-                    rates[x] -= flows[x];
+                    out[x] -= taken[x];
                 }
             }
             None if is_beyond(to, count) => {}
-            None => take_some(&flows, to, rates),
+            None => take_some(&taken, to, out),
         }
         for x in 0..LANES {
-            gains[x] += flows[x];
+            gain.taken[x] += taken[x];
+            gain.of_liquid[x] += of_liquid[x];
         }
     }
-    gains
+    gain
 }
 
-/// Whether a line that begins at `first` of so many rates has nothing in common with them.
+/// Whether a line that begins at `first` of so many places has nothing in common with them.
 #[inline(always)]
 fn is_beyond(first: usize, count: usize) -> bool {
     // What begins before the first has wrapped around.
     first >= count && first.wrapping_add(LANES - 1) >= count
 }
 
-/// Takes the flows of a line that begins at `first` of `rates` from these, as far as they are there.
+/// Takes what is `taken` along a line that begins at `first` of `out` from this, as far as it is there.
 #[inline(always)]
-fn take_some(flows: &[f64; LANES], first: usize, rates: &mut [f64]) {
-    for (x, flow) in flows.iter().enumerate() {
-        if let Some(rate) = rates.get_mut(first.wrapping_add(x)) {
-            *rate -= flow;
+fn take_some(taken: &[f64; LANES], first: usize, out: &mut [f64]) {
+    for (x, taken) in taken.iter().enumerate() {
+        if let Some(out) = out.get_mut(first.wrapping_add(x)) {
+            *out -= taken;
         }
     }
 }

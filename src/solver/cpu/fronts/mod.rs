@@ -10,10 +10,10 @@ use rayon::prelude::*;
 
 use super::entries::{Entries, Lines, Near};
 use super::latent::Latent;
-use super::operator::CpuOperator;
+use super::operator::{Combine, CpuOperator};
 use super::vector::Capacities;
 use crate::model::Problem;
-use crate::model::operator::{Front, Fronts, within};
+use crate::model::operator::{Front, Fronts};
 use crate::model::wide;
 
 use add::Add;
@@ -59,19 +59,22 @@ impl FrontFlows {
         Some(flows)
     }
 
-    /// Adds what flows to and from some of those that melt to the `rates` of places from `first` on, where the
-    /// operator acts on `potentials`. Held particles do not melt: at the melting point they are solid.
+    /// Adds what flows to and from some of those that melt to `out`, what is made of the rates
+    /// of places from `first` on, where the operator acts on `potentials`. Held particles do not melt: at the melting
+    /// point they are solid.
+    #[expect(clippy::too_many_arguments, reason = "they are those of the loops")]
     pub(super) fn add<O: CpuOperator + ?Sized>(
         &self,
         latent: &Latent,
         which: Range<usize>,
         operator: &O,
         potentials: &[f64],
+        written: Combine,
         first: usize,
-        rates: &mut [f64],
+        out: &mut [f64],
     ) {
-        let own = first..first + rates.len();
-        wide::run(Add { of: self, latent, which, operator, potentials, own, rates });
+        let own = first..first + out.len();
+        wide::run(Add { of: self, latent, which, operator, potentials, written, own, out });
     }
 
     /// Whether what has an `enthalpy` in a place melts.
@@ -96,19 +99,9 @@ impl FrontFlows {
         }
     }
 
-    /// Takes back what has been added to the `rates`, from place `first` on, of held particles in `places`, which
-    /// were 0; returns what they give, value x capacity / s.
-    pub(super) fn take_held<O: CpuOperator + ?Sized>(
-        &self,
-        operator: &O,
-        places: Range<usize>,
-        first: usize,
-        rates: &mut [f64],
-    ) -> f64 {
-        let held = operator.held()[within(operator.held(), &places)].iter().map(|&k| k as usize);
-        let taken =
-            |held: usize| std::mem::take(&mut rates[held - first]) * self.capacities.at(held);
-        -held.map(taken).sum::<f64>()
+    /// Capacity of what is in a place.
+    pub(super) fn capacity(&self, place: usize) -> f64 {
+        self.capacities.at(place)
     }
 
     #[inline(always)]

@@ -51,22 +51,18 @@ impl Mixed {
         let mut part = *seen;
         let factor = |part: usize| if part > 0 { ratios[part - 1].1 } else { 1.0 };
         if start(part) >= sites.end {
-            let combine = Combine { scale: combine.scale * factor(part), ..combine };
-            scratch.work(&self.scene.lattice, now.values, run, combine, out);
+            scratch.work(&self.scene.lattice, now.values, run, combine.times(factor(part)), out);
             return;
         }
         scratch.work(&self.scene.lattice, now.values, run, RATE, out);
         let mut from = sites.start;
         while from < sites.end {
             let to = start(part).min(sites.end);
-            let scale = combine.scale * factor(part);
             let of_part = &mut out[from - sites.start..to - sites.start];
-            if combine.share != 0.0 {
-                for (out, own) in of_part.iter_mut().zip(&now.values[from..to]) {
-                    *out = combine.share * own + scale * *out;
-                }
-            } else if scale != 1.0 {
-                of_part.iter_mut().for_each(|out| *out *= scale);
+            if combine != RATE {
+                combine.times(factor(part)).write(&now.values[from..to], of_part);
+            } else if factor(part) != 1.0 {
+                of_part.iter_mut().for_each(|out| *out *= factor(part));
             }
             (from, part) = (to, part + 1);
         }
@@ -93,11 +89,11 @@ impl Mixed {
             for row in within_near(walls, sites, &mut seen.walls) {
                 let site = walls[row] as usize;
                 let rate = of_row(linear, row) * now.values[site] + of_row(source, row);
-                out[site - sites.start] += combine.scale * rate;
+                out[site - sites.start] += combine.factor(now.values[site]) * rate;
             }
         }
         self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
-            out[site - sites.start] = combine.share * now.values[site] + combine.scale * rate;
+            out[site - sites.start] = combine.of(now.values[site], rate);
         });
         -self.rows.held_rate(sites, &mut seen.held, now.values)
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
-use super::operator::{Combine, CpuOperator, Now, RATE};
+use super::operator::{Combine, CpuOperator, Now};
 use super::partial_step::{PartialStep, SERIAL, WholeStep};
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
@@ -157,17 +157,19 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let part = L::PART << (6 - 2 * dimension);
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
+        let whole = WholeStep::new(self, now.values, dt, task, enthalpy.scene());
+        let combine = whole.written();
         let step = |scratch: &mut Scratch, step: &mut PartialStep<'_, Self>, out: &mut [f64]| {
             let (first, mut given) = (step.places().start, 0.0);
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
                 let of_part = &mut out[known..next];
-                given += self.of.advance(scratch, now, first + known, of_part, RATE);
+                given += self.of.advance(scratch, now, first + known, of_part, combine);
                 step.take_on(out, next);
             }
             given
         };
-        WholeStep { operator: self, now: now.values, dt, task }.take(enthalpy, out, scratch, step)
+        whole.take(enthalpy, out, scratch, step)
     }
 
     fn has_particle(&self, place: usize) -> bool {

@@ -66,7 +66,7 @@ impl Uniform {
 }
 
 impl LatticeOperator for Uniform {
-    const PART: usize = 1 << 9;
+    const PART: usize = 1 << 10;
 
     fn scene(&self) -> &LatticeScene {
         &self.scene
@@ -106,9 +106,7 @@ impl LatticeOperator for Uniform {
             scratch.work(&self.scene, now.values, &run, RATE, out);
             given += self.exceptions(now, &sites, held, walls, out);
             if combine != RATE {
-                for (out, own) in out.iter_mut().zip(&now.values[sites]) {
-                    *out = combine.share * own + combine.scale * *out;
-                }
+                combine.write(&now.values[sites], out);
             }
         }
         given

@@ -219,20 +219,13 @@ impl Around<'_> {
             return;
         }
         let own = &self.state[run.first + lower..][..length];
-        let here = &sums[0][lower + REACH..][..length];
         let steps: [&[f64]; REACH] =
             std::array::from_fn(|k| &sums[k + 1][lower..][..length + 2 * REACH]);
         let along: [f64; REACH] = std::array::from_fn(|k| self.members.along[k + 1]);
-        let out = &mut out[lower..upper];
-        let Combine { share, scale } = self.combine;
-        for x in 0..length {
-            let own = own[x];
-            let mut rate = here[x];
-            for k in 0..REACH {
-                let both = steps[k][x + REACH - 1 - k] + steps[k][x + REACH + 1 + k];
-                rate += multiply_add::<FUSED>(-2.0, along[k] * own, both);
-            }
-            out[x] = multiply_add::<FUSED>(scale, rate, share * own);
+        let sums = AlongSums { own, here: &sums[0][lower + REACH..][..length], steps, along };
+        match self.combine.has_limit() {
+            true => sums.write::<true, FUSED>(self.combine, &mut out[lower..upper]),
+            false => sums.write::<false, FUSED>(self.combine, &mut out[lower..upper]),
         }
     }
 
@@ -240,7 +233,6 @@ impl Around<'_> {
     #[inline(always)]
     fn near_ends(&self, sums: &[Vec<f64>], ends: &[NearEnd], out: &mut [f64]) {
         let (nx, reach, run) = (self.scene.counts[0], self.scene.reach, self.run);
-        let Combine { share, scale } = self.combine;
         let needed = self.needed();
         for end in ends {
             if !(run.x..run.x + run.length.min(nx)).contains(&end.x) {
@@ -258,7 +250,7 @@ impl Around<'_> {
                     };
                     rate += term.factor * sum - self.members.along[term.step] * own;
                 }
-                out[local] = scale * rate + share * own;
+                out[local] = self.combine.of(own, rate);
             }
         }
     }
@@ -275,5 +267,34 @@ impl Around<'_> {
         let differences =
             lines.map(|(class, line, factor)| weight(class) * (factor * value(line) - own));
         along[step] * own + differences.sum::<f64>()
+    }
+}
+
+/// What the rates along a run are made of.
+struct AlongSums<'a, const REACH: usize> {
+    own: &'a [f64],
+    /// P_0
+    here: &'a [f64],
+    /// Q_1, Q_2, ... from `REACH` before the run on.
+    steps: [&'a [f64]; REACH],
+    /// K_1, K_2, ...
+    along: [f64; REACH],
+}
+
+impl<const REACH: usize> AlongSums<'_, REACH> {
+    /// Writes what `combine`, which has a limit or not, makes of values and rates.
+    #[inline(always)]
+    fn write<const LIMIT: bool, const FUSED: bool>(&self, combine: Combine, out: &mut [f64]) {
+        let Self { own, here, steps, along } = *self;
+        for x in 0..out.len() {
+            let own = own[x];
+            let mut rate = here[x];
+            for k in 0..REACH {
+                let both = steps[k][x + REACH - 1 - k] + steps[k][x + REACH + 1 + k];
+                rate += multiply_add::<FUSED>(-2.0, along[k] * own, both);
+            }
+            let factor = if LIMIT { combine.factor(own) } else { combine.factors[0] };
+            out[x] = multiply_add::<FUSED>(factor, rate, combine.share * own);
+        }
     }
 }
