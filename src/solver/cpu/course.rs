@@ -115,7 +115,7 @@ impl Course {
     }
 }
 
-/// Finds what passes the melting point in a step.
+/// Finds what passes the melting point in a step, of which it takes the last part where operators have written rates.
 pub(super) struct Crossings<'a, R> {
     /// Places that follow each other, and what takes those of each run a step on.
     pub(super) runs: R,
@@ -186,7 +186,7 @@ fn any_crosses<const FUSED: bool, const RATES: bool, const COUNT: usize>(
             next[x] = multiply_add::<FUSED>(step.factor(now[x]), out[x], now[x]);
         }
         // Bits of signs, since a processor puts them together for several at once.
-        any |= step.above(now[x]).to_bits() ^ step.above(next[x]).to_bits();
+        any |= step.room(now[x]).to_bits() ^ step.room(next[x]).to_bits();
     }
     if RATES {
         *out = next;
@@ -199,7 +199,7 @@ fn any_crosses<const FUSED: bool, const RATES: bool, const COUNT: usize>(
 #[inline(never)]
 fn find(step: Combine, now: &[f64], next: &[f64], found: &mut Vec<usize>, first: usize) {
     for ((&now, &next), place) in now.iter().zip(next).zip(first..) {
-        if step.above(now).is_sign_negative() != step.above(next).is_sign_negative() {
+        if step.room(now).is_sign_negative() != step.room(next).is_sign_negative() {
             found.push(place);
         }
     }
@@ -272,7 +272,7 @@ mod tests {
             let expected = course.potential(enthalpy);
             match crossings.binary_search(&k) {
                 Ok(_) => {
-                    let [rate, rest] = course.step(dt).parts(now[k], *after);
+                    let [rate, rest] = course.step(dt).rate_and_rest(now[k], *after);
                     assert!((rate - rates[k]).abs() < 1e-11 && rest == now[k], "{k}: {rate}");
                     assert!((after - expected).abs() > 1e-12, "it does not go on as it was");
                 }

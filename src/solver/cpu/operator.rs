@@ -13,8 +13,9 @@ use crate::model::wide::{self, Work, choose, multiply_add};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Combine {
     pub(super) share: f64,
-    /// The factor where values are not above a limit, and where they are.
+    /// The factor of values that are not above a limit, and of those that are.
     pub(super) factors: [f64; 2],
+    /// The limit, which has the unit of the values.
     pub(super) limit: f64,
 }
 
@@ -28,7 +29,7 @@ impl Combine {
     }
 
     /// An explicit Euler step of `dt` (s).
-    pub(super) const fn step(dt: f64) -> Self {
+    pub(super) fn step(dt: f64) -> Self {
         Self::new(1.0, dt)
     }
 
@@ -38,21 +39,21 @@ impl Combine {
     }
 
     /// Whether the factor depends on the value.
-    pub(super) fn has_limit(self) -> bool {
+    pub(super) fn has_two_factors(self) -> bool {
         self.factors[0] != self.factors[1]
     }
 
     /// How far the limit is above a value: of a value above it by its sign a negative number, which a choice takes as
     /// it is.
     #[inline(always)]
-    pub(super) fn above(self, own: f64) -> f64 {
+    pub(super) fn room(self, own: f64) -> f64 {
         self.limit - own
     }
 
     /// The factor at a value.
     #[inline(always)]
     pub(super) fn factor(self, own: f64) -> f64 {
-        choose(self.above(own).is_sign_negative(), self.factors[1], self.factors[0])
+        choose(self.room(own).is_sign_negative(), self.factors[1], self.factors[0])
     }
 
     /// What is written.
@@ -67,7 +68,7 @@ impl Combine {
     }
 
     /// The rate in what was written, and what is written without one.
-    pub(super) fn parts(self, own: f64, written: f64) -> [f64; 2] {
+    pub(super) fn rate_and_rest(self, own: f64, written: f64) -> [f64; 2] {
         let rest = self.share * own;
         [(written - rest) / self.factor(own), rest]
     }
@@ -87,7 +88,7 @@ impl Work for OfRates<'_> {
     fn run<const FUSED: bool>(self) {
         let Self { combine, own, out } = self;
         let Combine { share, factors: [factor, _], .. } = combine;
-        if combine.has_limit() {
+        if combine.has_two_factors() {
             for (out, &own) in out.iter_mut().zip(own) {
                 *out = multiply_add::<FUSED>(combine.factor(own), *out, share * own);
             }
@@ -166,7 +167,7 @@ pub(super) trait CpuOperator: Send + Sync {
         visit(places);
     }
 
-    /// Writes 0 where there is no particle among places from `first` on: steps of potentials leave it.
+    /// Writes 0 where there is no particle among places from `first` on, which steps of potentials pass over.
     fn clear_absent(&self, _first: usize, _out: &mut [f64]) {}
 
     /// A_aa, 1/s; -1 for held particles and where there is none.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::course::{Course, Crossings};
 use super::enthalpy::{Begun, Enthalpy, HeatScene};
-use super::fronts::Queue;
+use super::fronts::{Add, Queue};
 use super::latent::Latent;
 use super::operator::{Combine, CpuOperator, RATE};
 use super::seam_step::SeamStep;
@@ -40,7 +40,8 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     melting: Range<usize>,
     latent: Latent,
     given: f64,
-    /// Places that change their phase, and their enthalpies; and the places of some of them.
+    /// Of [`Self::go_on`] alone: places that go on by their enthalpies, with these, and those that pass the melting
+    /// point.
     changed: Vec<(usize, f64)>,
     crossings: Vec<usize>,
 }
@@ -71,8 +72,9 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
     ) -> Self {
         let courses = scene.curves.courses().unwrap_or_default();
         let steps: Vec<Combine> = courses.iter().map(|course| course.step(dt)).collect();
-        // Where materials meet something is to be added to rates first.
+        // Where materials meet something is to be added to rates first, and each has a step of its own.
         let written = if let ([one], None) = (&steps[..], &scene.seams) { *one } else { RATE };
+        debug_assert!(dt > 0.0, "rates are found again from what is written");
         Self { operator, now, dt, task, steps, written }
     }
 
@@ -81,9 +83,16 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         self.written
     }
 
-    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` has the operator write a task's
-    /// places with what `scratch` has made, has them [taken on](PartialStep::take_on) and returns what held particles
-    /// gave so far; returns what they gave together, value x capacity / s.
+    /// The rate in what is written of a place, 1/s x value, which is taken out.
+    fn take_rate(&self, place: usize, out: &mut f64) -> f64 {
+        let [rate, rest] = self.written.rate_and_rest(self.now[place], *out);
+        *out = rest;
+        rate
+    }
+
+    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` has the operator write a
+    /// task's places with what `scratch` has made, has them [taken on](PartialStep::take_on) and returns what held
+    /// particles gave so far; returns what they gave together, value x capacity / s.
     pub(super) fn take<S>(
         &self,
         enthalpy: &mut Enthalpy,
@@ -179,7 +188,9 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         if let Some(fronts) = &scene.fronts {
             let seen = first + known;
             for which in self.fronts.next(before, seen, known == out.len()) {
-                fronts.add(before, which, operator, now, written, first, &mut out[..known]);
+                let (own, out) = (first..first + known, &mut out[..known]);
+                let (of, latent, potentials) = (fronts, before, now);
+                wide::run(Add { of, latent, which, operator, potentials, written, own, out });
                 self.has_fronts = true;
             }
             ready = self.fronts.untouched(before, seen).saturating_sub(first).max(self.done);
@@ -203,13 +214,6 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         }
     }
 
-    /// The rate in what is written of a place, 1/s x value, which is taken out.
-    fn take_rate(&self, place: usize, out: &mut f64) -> f64 {
-        let [rate, rest] = self.all.written.parts(self.all.now[place], *out);
-        *out = rest;
-        rate
-    }
-
     /// Takes what fronts have added to held particles from places from `first` on.
     fn take_held(&mut self, first: usize, out: &mut [f64]) {
         let held = self.all.operator.held();
@@ -218,30 +222,31 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         for &held in &held[within(held, &(first..first + out.len()))] {
             let held = held as usize;
-            self.given -= fronts.capacity(held) * self.take_rate(held, &mut out[held - first]);
+            self.given -= fronts.capacity(held) * self.all.take_rate(held, &mut out[held - first]);
         }
     }
 
-    /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts or passes the
-    /// melting point.
+    /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts or passes
+    /// the melting point.
     fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
-        let (mut changed, mut crossings) =
-            (std::mem::take(&mut self.changed), std::mem::take(&mut self.crossings));
-        let WholeStep { now, dt, ref steps, written, .. } = *self.all;
-        let (curves, before) = (&self.scene.curves, self.before);
-        let places = first..first + out.len();
-        for melting in take_below(before.places(), &mut self.melting, places.end) {
+        let Self { all, scene, before, melting, latent, changed, crossings, .. } = self;
+        let WholeStep { operator, now, dt, ref steps, written, .. } = **all;
+        let (curves, places) = (&scene.curves, first..first + out.len());
+        for melting in take_below(before.places(), melting, places.end) {
             let (place, enthalpy) = before.one(melting);
-            changed.push((place, enthalpy + dt * self.take_rate(place, &mut out[place - first])));
+            changed.push((place, enthalpy + dt * all.take_rate(place, &mut out[place - first])));
         }
-        let runs = curves.runs(places.clone()).map(|(run, which)| (run, steps[which]));
-        let (now, found, of_rates) = (&now[places], &mut crossings, written == RATE);
-        wide::run(Crossings { runs, now, out: &mut *out, of_rates, found, first });
+        operator.for_each_present(places, &mut |places| {
+            let (first, out) = (places.start, &mut out[places.start - first..places.end - first]);
+            let runs = curves.runs(places.clone()).map(|(run, which)| (run, steps[which]));
+            let (now, found, of_rates) = (&now[places], &mut *crossings, written == RATE);
+            wide::run(Crossings { runs, now, out, of_rates, found, first });
+        });
         let course = |place: usize| &courses[curves.which(place)];
         if !crossings.is_empty() {
             changed.extend(crossings.drain(..).map(|place| {
-                let now = now[place - first];
-                let [rate, _] = steps[curves.which(place)].parts(now, out[place - first]);
+                let (now, step) = (now[place], steps[curves.which(place)]);
+                let [rate, _] = step.rate_and_rest(now, out[place - first]);
                 (place, course(place).enthalpy(now) + dt * rate)
             }));
             changed.sort_unstable_by_key(|&(place, _)| place);
@@ -251,10 +256,9 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
             if !course.tells(enthalpy, potential) {
-                self.latent.push(place, enthalpy);
+                latent.push(place, enthalpy);
             }
         }
-        (self.changed, self.crossings) = (changed, crossings);
     }
 
     /// Takes places from `first` on a step further by their enthalpies.

@@ -11,18 +11,19 @@ use crate::solver::cpu::operator::{Combine, CpuOperator};
 /// Particles that are worked on together.
 const FEW: usize = 16;
 
-/// Adds the flows of some latent particles.
-pub(super) struct Add<'a, O: ?Sized> {
-    pub(super) of: &'a FrontFlows,
-    pub(super) latent: &'a Latent,
-    pub(super) which: Range<usize>,
-    pub(super) operator: &'a O,
-    pub(super) potentials: &'a [f64],
+/// Adds what flows to and from some latent particles beside what the operator has of it. Held particles do not melt:
+/// at the melting point they are solid.
+pub(in crate::solver::cpu) struct Add<'a, O: ?Sized> {
+    pub(in crate::solver::cpu) of: &'a FrontFlows,
+    pub(in crate::solver::cpu) latent: &'a Latent,
+    pub(in crate::solver::cpu) which: Range<usize>,
+    pub(in crate::solver::cpu) operator: &'a O,
+    pub(in crate::solver::cpu) potentials: &'a [f64],
     /// What is made of rates.
-    pub(super) written: Combine,
+    pub(in crate::solver::cpu) written: Combine,
     /// The places where that is here.
-    pub(super) own: Range<usize>,
-    pub(super) out: &'a mut [f64],
+    pub(in crate::solver::cpu) own: Range<usize>,
+    pub(in crate::solver::cpu) out: &'a mut [f64],
 }
 
 /// What flows to a melting particle beside what the operator has of it, as what is made of rates changes.
@@ -159,8 +160,8 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
     }
 }
 
-/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in `out`
-/// of these; returns what the particle gains.
+/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in
+/// `out` of these; returns what the particle gains.
 #[inline(always)]
 fn along_all<const FUSED: bool>(
     lines: &Lines,

@@ -3,20 +3,17 @@
 mod add;
 mod queue;
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::entries::{Entries, Lines, Near};
-use super::latent::Latent;
-use super::operator::{Combine, CpuOperator};
+use super::operator::CpuOperator;
 use super::vector::Capacities;
 use crate::model::Problem;
 use crate::model::operator::{Front, Fronts};
-use crate::model::wide;
 
-use add::Add;
+pub(super) use add::Add;
 pub(super) use queue::Queue;
 
 /// Of a word.
@@ -57,24 +54,6 @@ impl FrontFlows {
         let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), alike: None };
         flows.alike = flows.find_alike(operator);
         Some(flows)
-    }
-
-    /// Adds what flows to and from some of those that melt to `out`, what is made of the rates
-    /// of places from `first` on, where the operator acts on `potentials`. Held particles do not melt: at the melting
-    /// point they are solid.
-    #[expect(clippy::too_many_arguments, reason = "they are those of the loops")]
-    pub(super) fn add<O: CpuOperator + ?Sized>(
-        &self,
-        latent: &Latent,
-        which: Range<usize>,
-        operator: &O,
-        potentials: &[f64],
-        written: Combine,
-        first: usize,
-        out: &mut [f64],
-    ) {
-        let own = first..first + out.len();
-        wide::run(Add { of: self, latent, which, operator, potentials, written, own, out });
     }
 
     /// Whether what has an `enthalpy` in a place melts.

@@ -1,4 +1,4 @@
-//! Which melting particles are still to be added to rates.
+//! Of which melting particles flows are still to be added.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::solver::cpu::latent::Latent;
 /// So many are added together at least, unless it is the last time.
 const MANY: usize = 32;
 
-/// The latent particles that are within reach of some places, and have not been added to their rates.
+/// The latent particles that are within reach of some places, and whose flows have not been added there.
 #[derive(Debug, Default)]
 pub(in crate::solver::cpu) struct Queue {
     reach: usize,
@@ -35,7 +35,7 @@ impl Queue {
         !(self.rest[0].is_empty() && self.rest[2].is_empty())
     }
 
-    /// The next that may be added, where rates are known before `seen`, or all are.
+    /// The next that may be added, where the operator has written what is before `seen`, or all.
     pub(in crate::solver::cpu) fn next(
         &mut self,
         latent: &Latent,

@@ -223,7 +223,7 @@ impl Around<'_> {
             std::array::from_fn(|k| &sums[k + 1][lower..][..length + 2 * REACH]);
         let along: [f64; REACH] = std::array::from_fn(|k| self.members.along[k + 1]);
         let sums = AlongSums { own, here: &sums[0][lower + REACH..][..length], steps, along };
-        match self.combine.has_limit() {
+        match self.combine.has_two_factors() {
             true => sums.write::<true, FUSED>(self.combine, &mut out[lower..upper]),
             false => sums.write::<false, FUSED>(self.combine, &mut out[lower..upper]),
         }
