@@ -100,7 +100,7 @@ impl Mixed {
 }
 
 impl LatticeOperator for Mixed {
-    const PART: usize = 1 << 11;
+    const PARTS: [usize; 3] = [1 << 15, 1 << 13, 1 << 11];
 
     fn scene(&self) -> &LatticeScene {
         &self.scene.lattice

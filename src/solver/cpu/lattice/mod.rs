@@ -29,9 +29,9 @@ const LEAST_TASKS: usize = 16;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
-    /// Values of a task that are taken on together, about: they and what the stencil reads stay in
-    /// the fastest caches, and looking for exceptions among them costs little.
-    const PART: usize;
+    /// Values of a task that are taken on together, about, in one, two and three dimensions: they and what the
+    /// stencil reads stay in the fastest caches, and looking for exceptions among them costs little.
+    const PARTS: [usize; 3];
 
     fn scene(&self) -> &LatticeScene;
 
@@ -152,9 +152,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         // What melts is looked at in every task that it has neighbours in.
         let task = self.lines(TASK);
         let task = task * (out.len() / task / LEAST_TASKS).max(1);
-        // Along a line nothing lies around: parts are longer.
         let (nx, dimension) = (self.of.scene().counts[0], self.of.scene().dimension);
-        let part = if dimension > 1 { L::PART } else { 4 * L::PART };
+        let part = L::PARTS[dimension - 1];
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
         let whole = WholeStep::new(self, now.values, dt, task, enthalpy.scene());

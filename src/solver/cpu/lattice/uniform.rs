@@ -66,7 +66,7 @@ impl Uniform {
 }
 
 impl LatticeOperator for Uniform {
-    const PART: usize = 1 << 10;
+    const PARTS: [usize; 3] = [1 << 12, 1 << 10, 1 << 10];
 
     fn scene(&self) -> &LatticeScene {
         &self.scene
