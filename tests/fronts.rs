@@ -115,10 +115,15 @@ fn backend(scene: &Scene, precision: Precision, on_lattice: bool) -> GpuBackend 
 
 #[test]
 fn paths_of_the_cpu_agree_and_keep_the_energy() {
-    // The large one is worked on in parts, which meet at the periodic ends as well.
-    for (counts, hole) in
-        [([50, 40], false), ([50, 40], true), ([180, 250], false), ([180, 250], true)]
-    {
+    // The large ones are worked on in parts, which meet at the periodic ends as well; the hole of the last is passed over.
+    for (counts, hole) in [
+        ([50, 40], false),
+        ([50, 40], true),
+        ([120, 100], false),
+        ([180, 250], false),
+        ([180, 250], true),
+        ([700, 160], true),
+    ] {
         let scene = sheet(counts, hole, false);
         let (report, on_sites) = temperatures(&scene, &Machine::Cpu, PathWish::Lattice);
         let (by_list, listed) = temperatures(&scene, &Machine::Cpu, PathWish::List);
