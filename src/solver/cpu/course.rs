@@ -16,7 +16,7 @@ use crate::model::{HeatCurve, Material};
 
 /// Values that are looked at together.
 const FEW: usize = 32;
-/// The same at the end of a run.
+/// The same at the end of a run, but for the last ones.
 const FEWER: usize = 4;
 
 /// The potential of a material that melts at one temperature or not at all, as its enthalpy changes.
@@ -146,30 +146,43 @@ impl<R: Iterator<Item = (Range<usize>, Combine)>> Crossings<'_, R> {
     fn look<const FUSED: bool, const RATES: bool>(self) {
         let Self { runs, now, out, found, first, .. } = self;
         for (run, step) in runs {
-            let (mut start, local) = (run.start, run.start - first..run.end - first);
-            let (mut now, mut out) = (&now[local.clone()], &mut out[local]);
-            while let Some((few, rest)) = now.split_first_chunk::<FEW>() {
-                let (these, others) = out.split_first_chunk_mut::<FEW>().expect("as many");
-                if any_crosses::<FUSED, RATES, FEW>(step, few, these) {
-                    find(step, few, these, found, start);
-                }
-                (now, out, start) = (rest, others, start + FEW);
-            }
+            let local = run.start - first..run.end - first;
+            let mut rest =
+                Rest { step, now: &now[local.clone()], out: &mut out[local], first: run.start };
+            rest.look::<FUSED, RATES, FEW>(found);
             // Runs between materials may be short.
-            while let Some((few, rest)) = now.split_first_chunk::<FEWER>() {
-                let (these, others) = out.split_first_chunk_mut::<FEWER>().expect("as many");
-                if any_crosses::<FUSED, RATES, FEWER>(step, few, these) {
-                    find(step, few, these, found, start);
-                }
-                (now, out, start) = (rest, others, start + FEWER);
-            }
-            for ((now, out), place) in now.iter().zip(out).zip(start..) {
-                let (now, out) = (std::array::from_ref(now), std::array::from_mut(out));
-                if any_crosses::<FUSED, RATES, 1>(step, now, out) {
-                    found.push(place);
-                }
-            }
+            rest.look::<FUSED, RATES, FEWER>(found);
+            rest.look::<FUSED, RATES, 1>(found);
         }
+    }
+}
+
+/// What is left of a run, whose potentials are from place `first` on.
+struct Rest<'a> {
+    step: Combine,
+    now: &'a [f64],
+    out: &'a mut [f64],
+    first: usize,
+}
+
+impl Rest<'_> {
+    /// Looks at as many as there are `COUNT` together of.
+    #[inline(always)]
+    fn look<const FUSED: bool, const RATES: bool, const COUNT: usize>(
+        &mut self,
+        found: &mut Vec<usize>,
+    ) {
+        let Self { step, mut now, .. } = *self;
+        let mut out = std::mem::take(&mut self.out);
+        while let Some((few, rest)) = now.split_first_chunk::<COUNT>() {
+            let (these, others) = out.split_first_chunk_mut::<COUNT>().expect("as many");
+            if any_crosses::<FUSED, RATES, COUNT>(step, few, these) {
+                find(step, few, these, found, self.first);
+            }
+            (now, out) = (rest, others);
+            self.first += COUNT;
+        }
+        (self.now, self.out) = (now, out);
     }
 }
 

@@ -87,15 +87,8 @@ impl Work for OfRates<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { combine, own, out } = self;
-        let Combine { share, factors: [factor, _], .. } = combine;
-        if combine.has_two_factors() {
-            for (out, &own) in out.iter_mut().zip(own) {
-                *out = multiply_add::<FUSED>(combine.factor(own), *out, share * own);
-            }
-        } else {
-            for (out, &own) in out.iter_mut().zip(own) {
-                *out = multiply_add::<FUSED>(factor, *out, share * own);
-            }
+        for (out, &own) in out.iter_mut().zip(own) {
+            *out = multiply_add::<FUSED>(combine.factor(own), *out, combine.share * own);
         }
     }
 }

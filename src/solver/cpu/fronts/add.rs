@@ -134,13 +134,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                                 *flow = flow.times(factor);
                                 let first = start.wrapping_sub(own.start);
                                 let is_own = own.contains(&place);
-                                let all = first..first.wrapping_add(around.len());
-                                *gain = match out.get_mut(all) {
-                                    Some(out) => along_all::<FUSED>(lines, *flow, around, out),
-                                    None => along_some::<FUSED>(
-                                        lines, *flow, around, first, is_own, out,
-                                    ),
-                                };
+                                *gain = along::<FUSED>(lines, *flow, around, first, is_own, out);
                             }
                             _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                         }
@@ -161,39 +155,10 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 }
 
 /// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in
-/// `out` of these; returns what the particle gains.
+/// `out` of these as far as they are there, where the first line begins at `first`; returns what the particle gains if
+/// it `is_own`: there, what lies beyond counts too.
 #[inline(always)]
-fn along_all<const FUSED: bool>(
-    lines: &Lines,
-    flow: Flow,
-    around: &[f64],
-    out: &mut [f64],
-) -> Gain {
-    let mut gain = Gain::default();
-    let out = &mut out[..around.len()];
-    for (ahead, weights) in lines.all() {
-        let line = *ahead..*ahead + LANES;
-        let others: &[f64; LANES] = around[line.clone()].try_into().expect("a line's length");
-        let (mut taken, mut of_liquid) = ([0.0; LANES], [0.0; LANES]);
-        for x in 0..LANES {
-            [taken[x], of_liquid[x]] = flow.from::<FUSED>(others[x], weights[x]);
-        }
-        let out: &mut [f64; LANES] = (&mut out[line]).try_into().expect("a line's length");
-        for x in 0..LANES {
-            out[x] -= taken[x];
-        }
-        for x in 0..LANES {
-            gain.taken[x] += taken[x];
-            gain.of_liquid[x] += of_liquid[x];
-        }
-    }
-    gain
-}
-
-/// The same as far as they are in `out`, where the first line begins at `first`; what the particle gains counts if it
-/// `is_own`: what lies beyond too.
-#[inline(always)]
-fn along_some<const FUSED: bool>(
+fn along<const FUSED: bool>(
     lines: &Lines,
     flow: Flow,
     around: &[f64],

@@ -14,8 +14,8 @@ pub(in crate::solver::cpu) struct Queue {
     reach: usize,
     /// Those before these places round the end of a periodic axis, those near, and those behind round its start.
     rest: [Range<usize>; 3],
-    /// Whether any that are left may be added to places that they are not near, round the ends of an axis.
-    goes_round: bool,
+    /// Whether both ends of a periodic axis are near the places, which are most of all.
+    has_both_ends: bool,
 }
 
 impl Queue {
@@ -30,13 +30,16 @@ impl Queue {
         let near = start.saturating_sub(reach)..end.saturating_add(reach).min(count);
         let behind = (start + count).saturating_sub(reach).max(near.end)..count;
         let before = 0..(end.saturating_add(reach)).saturating_sub(count).min(near.start);
-        // Of places that are most of all, both ends are near.
-        let are_most = near.end.saturating_add(reach) > start + count
+        let has_both_ends = near.end.saturating_add(reach) > start + count
             || near.start + count < end.saturating_add(reach);
         let rest = [before, near, behind].map(|places| within(latent.places(), &places));
-        let goes_round =
-            are_most && !rest[1].is_empty() || !(rest[0].is_empty() && rest[2].is_empty());
-        Self { reach, rest, goes_round }
+        Self { reach, rest, has_both_ends }
+    }
+
+    /// Whether any that are left may be added to places round the ends of an axis.
+    fn goes_round(&self) -> bool {
+        let [before, near, behind] = self.rest.each_ref().map(|which| !which.is_empty());
+        before || behind || (near && self.has_both_ends)
     }
 
     /// The next that may be added, where the operator has written what is before `seen`, or all.
@@ -47,11 +50,8 @@ impl Queue {
         is_all: bool,
     ) -> impl Iterator<Item = Range<usize>> + use<> {
         let next = match is_all {
-            true => {
-                self.goes_round = false;
-                std::mem::take(&mut self.rest)
-            }
-            false if self.goes_round => Default::default(),
+            true => std::mem::take(&mut self.rest),
+            false if self.goes_round() => Default::default(),
             false => {
                 let end = seen.saturating_sub(self.reach);
                 let last_of_many = latent.places()[self.rest[1].clone()].get(MANY - 1);
@@ -70,7 +70,7 @@ impl Queue {
     pub(in crate::solver::cpu) fn untouched(&self, latent: &Latent, seen: usize) -> usize {
         let [_, near, _] = &self.rest;
         match latent.places()[near.clone()].first() {
-            _ if self.goes_round => 0,
+            _ if self.goes_round() => 0,
             Some(&place) => (place as usize).saturating_sub(self.reach).min(seen),
             None => seen,
         }

@@ -58,11 +58,10 @@ impl Mixed {
         let mut from = sites.start;
         while from < sites.end {
             let to = start(part).min(sites.end);
-            let of_part = &mut out[from - sites.start..to - sites.start];
+            let combine = combine.times(factor(part));
             if combine != RATE {
-                combine.times(factor(part)).write(&now.values[from..to], of_part);
-            } else if factor(part) != 1.0 {
-                of_part.iter_mut().for_each(|out| *out *= factor(part));
+                let of_part = &mut out[from - sites.start..to - sites.start];
+                combine.write(&now.values[from..to], of_part);
             }
             (from, part) = (to, part + 1);
         }

@@ -282,9 +282,9 @@ struct AlongSums<'a, const REACH: usize> {
 }
 
 impl<const REACH: usize> AlongSums<'_, REACH> {
-    /// Writes what `combine`, which has a limit or not, makes of values and rates.
+    /// Writes what `combine`, which has two factors or one, makes of values and rates.
     #[inline(always)]
-    fn write<const LIMIT: bool, const FUSED: bool>(&self, combine: Combine, out: &mut [f64]) {
+    fn write<const TWO: bool, const FUSED: bool>(&self, combine: Combine, out: &mut [f64]) {
         let Self { own, here, steps, along } = *self;
         for x in 0..out.len() {
             let own = own[x];
@@ -293,7 +293,7 @@ impl<const REACH: usize> AlongSums<'_, REACH> {
                 let both = steps[k][x + REACH - 1 - k] + steps[k][x + REACH + 1 + k];
                 rate += multiply_add::<FUSED>(-2.0, along[k] * own, both);
             }
-            let factor = if LIMIT { combine.factor(own) } else { combine.factors[0] };
+            let factor = if TWO { combine.factor(own) } else { combine.factors[0] };
             out[x] = multiply_add::<FUSED>(factor, rate, combine.share * own);
         }
     }
