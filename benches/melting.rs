@@ -1,0 +1,250 @@
+//! What steps of an enthalpy cost beside steps of plain conduction.
+//!
+//! The scenes of a group take explicit Euler steps in turn, a few at a time, so that a machine that others use too is as
+//! fast for one as for another. What is printed is the median over the rounds: of the time of a step, of how many times
+//! the step of the first scene, which is plain conduction, in the same round that is, and of the same beside the scene
+//! that differs from it in that nothing melts.
+//!
+//! ```text
+//! cargo bench --bench melting
+//! cargo bench --bench melting -- --list --particles 1e5 cube
+//! ```
+
+use std::time::Instant;
+
+use clap::Parser;
+use diffusph::case::{self, Scene};
+use diffusph::solver::{
+    Backend, BackendWish, Machine, MachineWish, PathChoice, PathWish, Precision,
+};
+use diffusph::study::{self, Driver, Prepared};
+use serde_json::{Map, Value, json};
+
+/// What is run.
+#[derive(Parser)]
+struct Arguments {
+    /// Only groups whose name contains this
+    group: Option<String>,
+    /// On a GPU, or a software adapter
+    #[arg(long)]
+    gpu: bool,
+    /// The precision there: f32, compensated or f64
+    #[arg(long, value_parser = precision, requires = "gpu")]
+    precision: Option<Precision>,
+    /// By list, not by lattice
+    #[arg(long)]
+    list: bool,
+    /// Particles of a scene, about
+    #[arg(long, default_value_t = 1e6)]
+    particles: f64,
+    /// How often each scene has its turn
+    #[arg(long, default_value_t = 21, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// Steps of a turn
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+    /// Given by cargo
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn precision(name: &str) -> Result<Precision, String> {
+    let found = Precision::ALL.into_iter().find(|precision| precision.name() == name);
+    found.ok_or_else(|| "f32, compensated or f64".to_owned())
+}
+
+/// Steps that are taken before the first round.
+const STEPS_BEFORE: u64 = 100;
+
+/// Scenes that are compared with the first.
+struct Group {
+    name: &'static str,
+    entries: Vec<Entry>,
+}
+
+/// A scene of a group.
+struct Entry {
+    name: &'static str,
+    case: Value,
+    /// Which scene differs from it in that nothing melts.
+    unmelted: usize,
+}
+
+/// The groups, of about so many particles a scene.
+fn groups(particles: f64) -> [Group; 4] {
+    let steps_of = |step: f64| json!({ "end": 1e9 * step, "method": "euler", "step": step });
+    let (rod, pipe, track) = (0.4 / particles, 0.1 / particles.sqrt(), 1.7e-3 / particles.sqrt());
+    [
+        cube(1.0 / particles.cbrt().round()),
+        shipped("melting_rod", rod, |case| case["time"] = steps_of(0.2 * rod * rod / 1.28e-4)),
+        shipped("freezing_pipe", pipe, |case| {
+            case["time"] = steps_of(0.1 * pipe * pipe / 1.15e-6);
+        }),
+        shipped("laser_track", track, |case| {
+            case["time"] = steps_of(0.05 * track * track / 7.6e-6);
+            // A molten layer, since the laser would take longer than the rounds.
+            case["sources"] = json!([]);
+            let layer = json!({ "box": { "min": [0, 0.0009], "max": [0.003, 0.001] } });
+            case["initial"] = json!([{ "value": 300 }, { "value": 2000, "where": layer }]);
+        }),
+    ]
+}
+
+/// Cubes of which one half is hot. Where it meets the other, a whole cross-section melts at once, and there two materials
+/// meet if there are two.
+fn cube(spacing: f64) -> Group {
+    let solid = |conductivity: Value| json!({ "conductivity": conductivity, "density": 1000, "heat_capacity": 1 });
+    let melting = |mut solid: Value, at: Value| {
+        solid["melting_temperature"] = at;
+        solid["latent_heat"] = json!(100);
+        solid["liquid"] = json!({ "conductivity": 4 });
+        solid
+    };
+    let half = |axis: usize, from: f64, to: f64| {
+        let (mut min, mut max) = ([0.0; 3], [1.0; 3]);
+        (min[axis], max[axis]) = (from, to);
+        json!({ "box": { "min": min, "max": max } })
+    };
+    let case = |axis: usize, first: Value, second: Option<Value>| {
+        let (hot, cold) = (half(axis, 0.0, 0.5), half(axis, 0.5, 1.0));
+        let of_cold = if second.is_some() { "second" } else { "first" };
+        let materials = [("first", Some(first)), ("second", second)];
+        let materials = materials.into_iter().filter_map(|(name, of)| Some((name.into(), of?)));
+        json!({
+            "title": "A cube of which one half is hot",
+            "dimension": 3,
+            "particles": {
+                "spacing": spacing,
+                "fill": [
+                    { "shape": hot, "material": "first" },
+                    { "shape": cold, "material": of_cold },
+                ],
+            },
+            "kernel": { "name": "cubic_spline", "support_ratio": 2 },
+            "materials": materials.collect::<Map<String, Value>>(),
+            "initial": [{ "value": 300 }, { "value": 360, "where": hot }],
+            "time": { "end": 1e3, "method": "euler", "step": 10.0 * spacing * spacing },
+        })
+    };
+    let plain = || solid(json!(10));
+    let other = || solid(json!(6));
+    let rising = || solid(json!([[300, 10], [700, 14]]));
+    let other_rising = || solid(json!([[300, 6], [700, 7]]));
+    let at = || json!(330);
+    let entry = |name, unmelted, case| Entry { name, case, unmelted };
+    Group {
+        name: "cube, 26 neighbours",
+        entries: vec![
+            entry("plain conduction", 0, case(0, plain(), None)),
+            entry("nothing melts yet", 0, case(0, melting(plain(), json!(900)), None)),
+            entry("a cross-section across lines", 0, case(0, melting(plain(), at()), None)),
+            entry("a cross-section along lines", 0, case(2, melting(plain(), at()), None)),
+            entry("over a range", 0, case(0, melting(plain(), json!([320, 340])), None)),
+            entry("k(T)", 5, case(0, rising(), None)),
+            entry("k(T), a cross-section", 5, case(0, melting(rising(), at()), None)),
+            entry("two materials", 7, case(0, plain(), Some(other()))),
+            entry(
+                "two that melt",
+                7,
+                case(0, melting(plain(), at()), Some(melting(other(), json!(335)))),
+            ),
+            entry("two with k(T)", 9, case(0, rising(), Some(other_rising()))),
+        ],
+    }
+}
+
+/// A shipped case with a spacing (m) and what else is to `change`, without and with melting.
+fn shipped(name: &'static str, spacing: f64, change: impl FnOnce(&mut Value)) -> Group {
+    let text = case::shipped_text(name).expect("a shipped case");
+    let mut as_it_is: Value = serde_json::from_str(text).expect("a case in JSON");
+    let remove = |of: &mut Value, keys: &[&str]| {
+        let of = of.as_object_mut().expect("an object");
+        keys.iter().for_each(|key| drop(of.remove(*key)));
+    };
+    remove(&mut as_it_is, &["exact", "probes", "output", "$schema"]);
+    as_it_is["particles"]["spacing"] = json!(spacing);
+    change(&mut as_it_is);
+    let mut without = as_it_is.clone();
+    for (_, material) in without["materials"].as_object_mut().expect("materials") {
+        remove(material, &["melting_temperature", "latent_heat", "liquid"]);
+    }
+    let entry = |name, case| Entry { name, case, unmelted: 0 };
+    Group { name, entries: vec![entry("without melting", without), entry("as it is", as_it_is)] }
+}
+
+/// Takes so many steps, and waits for their end.
+type Steps = Box<dyn FnMut(u64)>;
+
+/// Makes [`Steps`] of `dt` (s).
+struct Stepping {
+    dt: f64,
+}
+
+impl Driver for Stepping {
+    type Output = Steps;
+
+    fn drive<B: Backend + 'static>(self, _: Prepared, mut backend: B) -> Steps {
+        let mut done = 0;
+        Box::new(move |count| {
+            backend.euler(done as f64 * self.dt, self.dt, count).expect("steps");
+            backend.wait().expect("their end");
+            done += count;
+        })
+    }
+}
+
+/// The scene of an entry on a machine, and how many particles it has.
+fn start(entry: &Entry, machine: &Machine, wish: PathWish) -> (Steps, usize) {
+    let start = || -> Result<(Steps, usize), Box<dyn std::error::Error>> {
+        let Scene { problem, .. } = case::from_json(entry.name, entry.case.clone(), &[])?;
+        let choice = PathChoice::new(&problem, machine.kind(), wish)?;
+        let dt = entry.case["time"]["step"].as_f64().expect("a step");
+        let steps = study::start(&problem, machine, choice, false, Stepping { dt })?;
+        Ok((steps, problem.particles.len()))
+    };
+    start().unwrap_or_else(|error| panic!("{}: {error}", entry.name))
+}
+
+fn measure(group: &Group, machine: &Machine, arguments: &Arguments) {
+    let wish = if arguments.list { PathWish::List } else { PathWish::Auto };
+    let (mut scenes, counts): (Vec<Steps>, Vec<usize>) =
+        group.entries.iter().map(|entry| start(entry, machine, wish)).unzip();
+    scenes.iter_mut().for_each(|steps| steps(STEPS_BEFORE));
+    let mut taken = vec![Vec::new(); scenes.len()];
+    for _ in 0..arguments.rounds {
+        for (steps, taken) in scenes.iter_mut().zip(&mut taken) {
+            let start = Instant::now();
+            steps(arguments.steps);
+            taken.push(start.elapsed().as_secs_f64());
+        }
+    }
+    let ratio = |one: usize, other: usize| {
+        median(taken[one].iter().zip(&taken[other]).map(|(one, other)| one / other))
+    };
+    println!("\n{}, {} particles", group.name, counts[0]);
+    println!("{:32}{:>12}{:>12}{:>12}", "", "ns/particle", "/ plain", "/ unmelted");
+    for (k, entry) in group.entries.iter().enumerate() {
+        let particle_steps = arguments.steps as f64 * counts[k] as f64;
+        let time = 1e9 * median(taken[k].iter().copied()) / particle_steps;
+        let [to_plain, to_unmelted] = [ratio(k, 0), ratio(k, entry.unmelted)];
+        println!("{:32}{time:12.3}{to_plain:12.2}{to_unmelted:12.2}", entry.name);
+    }
+}
+
+fn median(of: impl Iterator<Item = f64>) -> f64 {
+    let mut of: Vec<f64> = of.collect();
+    of.sort_by(f64::total_cmp);
+    of[of.len() / 2]
+}
+
+fn main() {
+    let arguments = Arguments::parse();
+    let backend = if arguments.gpu { BackendWish::Gpu } else { BackendWish::Cpu };
+    let wish = MachineWish { backend, adapter: None, precision: arguments.precision };
+    let (machine, _) = Machine::open(&wish).expect("a machine");
+    let is_asked_for =
+        |group: &&Group| arguments.group.as_ref().is_none_or(|part| group.name.contains(part));
+    for group in groups(arguments.particles).iter().filter(is_asked_for) {
+        measure(group, &machine, &arguments);
+    }
+}
