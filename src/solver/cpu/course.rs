@@ -88,6 +88,12 @@ impl Course {
             || (enthalpy > self.ends && potential > self.melts)
     }
 
+    /// Whether what melts, and has a potential, still does with an enthalpy, and so keeps its potential.
+    #[inline]
+    pub(super) fn goes_on_melting(&self, potential: f64, enthalpy: f64) -> bool {
+        potential == self.melts && self.begins < enthalpy && enthalpy < self.ends
+    }
+
     /// The potential at an enthalpy; what is solid is not above where it melts.
     pub(super) fn potential(&self, enthalpy: f64) -> f64 {
         let Some(curve) = &self.curve else {

@@ -26,10 +26,20 @@ impl Latent {
         all
     }
 
-    /// Takes a particle behind all others.
+    /// Takes a particle behind all others, or with those that are [sorted](Self::sort) next.
     pub(super) fn push(&mut self, place: usize, enthalpy: f64) {
         self.places.push(place as u32);
         self.enthalpies.push(enthalpy);
+    }
+
+    /// Has those from `from` on, which were taken in any order, ascend.
+    pub(super) fn sort(&mut self, from: usize) {
+        let places = self.places.drain(from..);
+        let mut rest: Vec<(u32, f64)> = places.zip(self.enthalpies.drain(from..)).collect();
+        rest.sort_unstable_by_key(|&(place, _)| place);
+        let (places, enthalpies): (Vec<u32>, Vec<f64>) = rest.into_iter().unzip();
+        self.places.extend(places);
+        self.enthalpies.extend(enthalpies);
     }
 
     /// Their places, ascending.

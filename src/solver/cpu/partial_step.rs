@@ -40,8 +40,8 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     melting: Range<usize>,
     latent: Latent,
     given: f64,
-    /// Of [`Self::go_on`] alone: places that go on by their enthalpies, with these, and those that pass the melting
-    /// point.
+    /// Of [`Self::go_on`] alone: places that begin or end to melt, with their enthalpies, and those that pass the
+    /// melting point.
     changed: Vec<(usize, f64)>,
     crossings: Vec<usize>,
 }
@@ -232,9 +232,15 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         let Self { all, scene, before, melting, latent, changed, crossings, .. } = self;
         let WholeStep { operator, now, dt, ref steps, written, .. } = **all;
         let (curves, places) = (&scene.curves, first..first + out.len());
+        let course = |place: usize| &courses[curves.which(place)];
+        let from = latent.places().len();
         for melting in take_below(before.places(), melting, places.end) {
             let (place, enthalpy) = before.one(melting);
-            changed.push((place, enthalpy + dt * all.take_rate(place, &mut out[place - first])));
+            let enthalpy = enthalpy + dt * all.take_rate(place, &mut out[place - first]);
+            match course(place).goes_on_melting(now[place], enthalpy) {
+                true => latent.push(place, enthalpy),
+                false => changed.push((place, enthalpy)),
+            }
         }
         operator.for_each_present(places, &mut |places| {
             let (first, out) = (places.start, &mut out[places.start - first..places.end - first]);
@@ -242,14 +248,13 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let (now, found, of_rates) = (&now[places], &mut *crossings, written == RATE);
             wide::run(Crossings { runs, now, out, of_rates, found, first });
         });
-        let course = |place: usize| &courses[curves.which(place)];
-        if !crossings.is_empty() {
-            changed.extend(crossings.drain(..).map(|place| {
-                let (now, step) = (now[place], steps[curves.which(place)]);
-                let [rate, _] = step.rate_and_rest(now, out[place - first]);
-                (place, course(place).enthalpy(now) + dt * rate)
-            }));
-            changed.sort_unstable_by_key(|&(place, _)| place);
+        changed.extend(crossings.drain(..).map(|place| {
+            let (now, step) = (now[place], steps[curves.which(place)]);
+            let [rate, _] = step.rate_and_rest(now, out[place - first]);
+            (place, course(place).enthalpy(now) + dt * rate)
+        }));
+        if changed.is_empty() {
+            return;
         }
         for (place, enthalpy) in changed.drain(..) {
             let course = course(place);
@@ -259,6 +264,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 latent.push(place, enthalpy);
             }
         }
+        latent.sort(from);
     }
 
     /// Takes places from `first` on a step further by their enthalpies.
