@@ -1,21 +1,23 @@
 //! What steps of an enthalpy cost beside steps of plain conduction.
 //!
 //! The scenes of a group take explicit Euler steps in turn, a few at a time, so that a machine that others use too is as
-//! fast for one as for another. What is printed is the median over the rounds: of the time of a step, of how many times
-//! the step of the first scene, which is plain conduction, in the same round that is, and of the same beside the scene
-//! that differs from it in that nothing melts.
+//! fast for one as for another. What is printed is the median over the rounds: of the time of a particle and step, of how
+//! many times that of the group's first scene in the same round it is, and of the same beside the scene that differs from
+//! it in that nothing melts. The fronts of the cubes stay in one layer of particles meanwhile.
 //!
 //! ```text
 //! cargo bench --bench melting
-//! cargo bench --bench melting -- --list --particles 1e5 cube
+//! cargo bench --bench melting -- --path list --particles 1e5 cube
 //! ```
+
+#![expect(clippy::print_stdout, reason = "what a bench is for")]
 
 use std::time::Instant;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use diffusph::case::{self, Scene};
 use diffusph::solver::{
-    Backend, BackendWish, Machine, MachineWish, PathChoice, PathWish, Precision,
+    Backend, BackendWish, Machine, MachineWish, Path, PathChoice, PathWish, Precision,
 };
 use diffusph::study::{self, Driver, Prepared};
 use serde_json::{Map, Value, json};
@@ -25,17 +27,17 @@ use serde_json::{Map, Value, json};
 struct Arguments {
     /// Only groups whose name contains this
     group: Option<String>,
-    /// On a GPU, or a software adapter
+    /// On a GPU, or a software adapter, not on the CPU
     #[arg(long)]
     gpu: bool,
-    /// The precision there: f32, compensated or f64
+    /// The precision on a GPU: f32, compensated or f64
     #[arg(long, value_parser = precision, requires = "gpu")]
     precision: Option<Precision>,
-    /// By list, not by lattice
-    #[arg(long)]
-    list: bool,
+    /// How neighbours are known
+    #[arg(long, default_value = "lattice")]
+    path: PathName,
     /// Particles of a scene, about
-    #[arg(long, default_value_t = 1e6)]
+    #[arg(long, default_value_t = 1e6, value_parser = particles)]
     particles: f64,
     /// How often each scene has its turn
     #[arg(long, default_value_t = 21, value_parser = clap::value_parser!(u32).range(1..))]
@@ -46,6 +48,17 @@ struct Arguments {
     /// Given by cargo
     #[arg(long, hide = true)]
     bench: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum PathName {
+    Lattice,
+    List,
+}
+
+fn particles(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|count| (1e3..1e9).contains(count));
+    found.ok_or_else(|| "a number from 1e3 to 1e9".to_owned())
 }
 
 fn precision(name: &str) -> Result<Precision, String> {
@@ -66,22 +79,27 @@ struct Group {
 struct Entry {
     name: &'static str,
     case: Value,
-    /// Which scene differs from it in that nothing melts.
-    unmelted: usize,
+    /// The name of the scene that differs from it in that nothing melts.
+    unmelted: &'static str,
 }
 
 /// The groups, of about so many particles a scene.
 fn groups(particles: f64) -> [Group; 4] {
-    let steps_of = |step: f64| json!({ "end": 1e9 * step, "method": "euler", "step": step });
+    // Steps of a part of spacing^2 / alpha, with the largest alpha (m2/s) of the case.
+    let steps_of = |part: f64, spacing: f64, alpha: f64| {
+        let step = part * spacing * spacing / alpha;
+        json!({ "end": 1e9 * step, "method": "euler", "step": step })
+    };
+    // Length (m) of the rod, roots of the areas of the others.
     let (rod, pipe, track) = (0.4 / particles, 0.1 / particles.sqrt(), 1.7e-3 / particles.sqrt());
     [
-        cube(1.0 / particles.cbrt().round()),
-        shipped("melting_rod", rod, |case| case["time"] = steps_of(0.2 * rod * rod / 1.28e-4)),
+        cube(0.5 / (0.5 * particles.cbrt()).round()),
+        shipped("melting_rod", rod, |case| case["time"] = steps_of(0.2, rod, 1.28e-4)),
         shipped("freezing_pipe", pipe, |case| {
-            case["time"] = steps_of(0.1 * pipe * pipe / 1.15e-6);
+            case["time"] = steps_of(0.1, pipe, 1.15e-6);
         }),
         shipped("laser_track", track, |case| {
-            case["time"] = steps_of(0.05 * track * track / 7.6e-6);
+            case["time"] = steps_of(0.05, track, 7.6e-6);
             // A molten layer, since the laser would take longer than the rounds.
             case["sources"] = json!([]);
             let layer = json!({ "box": { "min": [0, 0.0009], "max": [0.003, 0.001] } });
@@ -90,8 +108,8 @@ fn groups(particles: f64) -> [Group; 4] {
     ]
 }
 
-/// Cubes of which one half is hot. Where it meets the other, a whole cross-section melts at once, and there two materials
-/// meet if there are two.
+/// Cubes with an even number of particles along an edge, of which one half is hot. Where it meets the other there is a front all over the cross-section, and there two
+/// materials meet if there are two.
 fn cube(spacing: f64) -> Group {
     let solid = |conductivity: Value| json!({ "conductivity": conductivity, "density": 1000, "heat_capacity": 1 });
     let melting = |mut solid: Value, at: Value| {
@@ -105,7 +123,7 @@ fn cube(spacing: f64) -> Group {
         (min[axis], max[axis]) = (from, to);
         json!({ "box": { "min": min, "max": max } })
     };
-    let case = |axis: usize, first: Value, second: Option<Value>| {
+    let of = |axis: usize, first: Value, second: Option<Value>| {
         let (hot, cold) = (half(axis, 0.0, 0.5), half(axis, 0.5, 1.0));
         let of_cold = if second.is_some() { "second" } else { "first" };
         let materials = [("first", Some(first)), ("second", second)];
@@ -131,24 +149,21 @@ fn cube(spacing: f64) -> Group {
     let rising = || solid(json!([[300, 10], [700, 14]]));
     let other_rising = || solid(json!([[300, 6], [700, 7]]));
     let at = || json!(330);
+    let other_melting = || melting(other(), json!(335));
     let entry = |name, unmelted, case| Entry { name, case, unmelted };
     Group {
         name: "cube, 26 neighbours",
         entries: vec![
-            entry("plain conduction", 0, case(0, plain(), None)),
-            entry("nothing melts yet", 0, case(0, melting(plain(), json!(900)), None)),
-            entry("a cross-section across lines", 0, case(0, melting(plain(), at()), None)),
-            entry("a cross-section along lines", 0, case(2, melting(plain(), at()), None)),
-            entry("over a range", 0, case(0, melting(plain(), json!([320, 340])), None)),
-            entry("k(T)", 5, case(0, rising(), None)),
-            entry("k(T), a cross-section", 5, case(0, melting(rising(), at()), None)),
-            entry("two materials", 7, case(0, plain(), Some(other()))),
-            entry(
-                "two that melt",
-                7,
-                case(0, melting(plain(), at()), Some(melting(other(), json!(335)))),
-            ),
-            entry("two with k(T)", 9, case(0, rising(), Some(other_rising()))),
+            entry("plain", "plain", of(0, plain(), None)),
+            entry("nothing melts yet", "plain", of(0, melting(plain(), json!(900)), None)),
+            entry("a front across lines", "plain", of(0, melting(plain(), at()), None)),
+            entry("a front along lines", "plain", of(2, melting(plain(), at()), None)),
+            entry("over a range", "plain", of(0, melting(plain(), json!([320, 340])), None)),
+            entry("k(T)", "k(T)", of(0, rising(), None)),
+            entry("k(T), a front", "k(T)", of(0, melting(rising(), at()), None)),
+            entry("two", "two", of(0, plain(), Some(other()))),
+            entry("two, a front", "two", of(0, melting(plain(), at()), Some(other_melting()))),
+            entry("two with k(T)", "two with k(T)", of(0, rising(), Some(other_rising()))),
         ],
     }
 }
@@ -168,7 +183,7 @@ fn shipped(name: &'static str, spacing: f64, change: impl FnOnce(&mut Value)) ->
     for (_, material) in without["materials"].as_object_mut().expect("materials") {
         remove(material, &["melting_temperature", "latent_heat", "liquid"]);
     }
-    let entry = |name, case| Entry { name, case, unmelted: 0 };
+    let entry = |name, case| Entry { name, case, unmelted: "without melting" };
     Group { name, entries: vec![entry("without melting", without), entry("as it is", as_it_is)] }
 }
 
@@ -193,21 +208,26 @@ impl Driver for Stepping {
     }
 }
 
-/// The scene of an entry on a machine, and how many particles it has.
-fn start(entry: &Entry, machine: &Machine, wish: PathWish) -> (Steps, usize) {
-    let start = || -> Result<(Steps, usize), Box<dyn std::error::Error>> {
+/// The scene of an entry on a machine, how many particles it has, and its path.
+fn start(entry: &Entry, machine: &Machine, wish: PathWish) -> (Steps, (usize, Path)) {
+    let start = || -> Result<(Steps, (usize, Path)), Box<dyn std::error::Error>> {
         let Scene { problem, .. } = case::from_json(entry.name, entry.case.clone(), &[])?;
         let choice = PathChoice::new(&problem, machine.kind(), wish)?;
+        let path = choice.path();
         let dt = entry.case["time"]["step"].as_f64().expect("a step");
         let steps = study::start(&problem, machine, choice, false, Stepping { dt })?;
-        Ok((steps, problem.particles.len()))
+        Ok((steps, (problem.particles.len(), path)))
     };
     start().unwrap_or_else(|error| panic!("{}: {error}", entry.name))
 }
 
 fn measure(group: &Group, machine: &Machine, arguments: &Arguments) {
-    let wish = if arguments.list { PathWish::List } else { PathWish::Auto };
-    let (mut scenes, counts): (Vec<Steps>, Vec<usize>) =
+    // What has no lattice takes the list, and says so.
+    let wish = match arguments.path {
+        PathName::Lattice => PathWish::Auto,
+        PathName::List => PathWish::List,
+    };
+    let (mut scenes, about): (Vec<Steps>, Vec<(usize, Path)>) =
         group.entries.iter().map(|entry| start(entry, machine, wish)).unzip();
     scenes.iter_mut().for_each(|steps| steps(STEPS_BEFORE));
     let mut taken = vec![Vec::new(); scenes.len()];
@@ -221,13 +241,15 @@ fn measure(group: &Group, machine: &Machine, arguments: &Arguments) {
     let ratio = |one: usize, other: usize| {
         median(taken[one].iter().zip(&taken[other]).map(|(one, other)| one / other))
     };
-    println!("\n{}, {} particles", group.name, counts[0]);
-    println!("{:32}{:>12}{:>12}{:>12}", "", "ns/particle", "/ plain", "/ unmelted");
-    for (k, entry) in group.entries.iter().enumerate() {
-        let particle_steps = arguments.steps as f64 * counts[k] as f64;
-        let time = 1e9 * median(taken[k].iter().copied()) / particle_steps;
-        let [to_plain, to_unmelted] = [ratio(k, 0), ratio(k, entry.unmelted)];
-        println!("{:32}{time:12.3}{to_plain:12.2}{to_unmelted:12.2}", entry.name);
+    println!("\n{}, {} particles", group.name, about[0].0);
+    println!("{:24}{:>10}{:>10}{:>10}{:>12}", "", "path", "ns", "/ first", "/ unmelted");
+    for (k, (entry, &(count, path))) in group.entries.iter().zip(&about).enumerate() {
+        let time = 1e9 * median(taken[k].iter().copied()) / (arguments.steps as f64 * count as f64);
+        let unmelted = group.entries.iter().position(|other| other.name == entry.unmelted);
+        let [to_first, to_unmelted] =
+            [0, unmelted.expect("one of the group")].map(|of| ratio(k, of));
+        let (name, path) = (entry.name, path.name());
+        println!("{name:24}{path:>10}{time:10.3}{to_first:10.2}{to_unmelted:12.2}");
     }
 }
 
@@ -242,9 +264,15 @@ fn main() {
     let backend = if arguments.gpu { BackendWish::Gpu } else { BackendWish::Cpu };
     let wish = MachineWish { backend, adapter: None, precision: arguments.precision };
     let (machine, _) = Machine::open(&wish).expect("a machine");
-    let is_asked_for =
-        |group: &&Group| arguments.group.as_ref().is_none_or(|part| group.name.contains(part));
-    for group in groups(arguments.particles).iter().filter(is_asked_for) {
-        measure(group, &machine, &arguments);
-    }
+    let place = machine.adapter().map_or_else(
+        || format!("CPU, {} threads", rayon::current_num_threads()),
+        |adapter| format!("{adapter}, {}", machine.kind().precision().name()),
+    );
+    println!("{place}: ns a particle and step");
+    let mut groups = Vec::from(groups(arguments.particles));
+    let names: Vec<&str> = groups.iter().map(|group| group.name).collect();
+    let no_such_group = format!("no group of that name: there are {names:?}");
+    groups.retain(|group| arguments.group.as_ref().is_none_or(|part| group.name.contains(part)));
+    assert!(!groups.is_empty(), "{no_such_group}");
+    groups.iter().for_each(|group| measure(group, &machine, &arguments));
 }

@@ -88,10 +88,15 @@ impl Course {
             || (enthalpy > self.ends && potential > self.melts)
     }
 
-    /// Whether what melts, and has a potential, still does with an enthalpy, and so keeps its potential.
+    /// Whether what has been melting, with this potential, still does with a new enthalpy: its potential stays as it is.
     #[inline]
     pub(super) fn goes_on_melting(&self, potential: f64, enthalpy: f64) -> bool {
-        potential == self.melts && self.begins < enthalpy && enthalpy < self.ends
+        potential == self.melts && self.melts_at(enthalpy)
+    }
+
+    #[inline]
+    fn melts_at(&self, enthalpy: f64) -> bool {
+        self.begins < enthalpy && enthalpy < self.ends
     }
 
     /// The potential at an enthalpy; what is solid is not above where it melts.
@@ -99,7 +104,7 @@ impl Course {
         let Some(curve) = &self.curve else {
             return enthalpy;
         };
-        if self.begins < enthalpy && enthalpy < self.ends {
+        if self.melts_at(enthalpy) {
             return self.melts;
         }
         let of_curve = curve.potential(enthalpy);
@@ -319,6 +324,20 @@ mod tests {
             }
         }
         assert!(!course.tells(500.0, f64::NAN));
+    }
+
+    #[test]
+    fn what_melts_keeps_its_potential_between_both_ends_alone() {
+        let course = Course::of(&melts()).expect("a straight curve");
+        let middle = 0.5 * (course.begins + course.ends);
+        assert!(
+            course.goes_on_melting(course.melts, middle) && !course.tells(middle, course.melts)
+        );
+        assert_eq!(course.potential(middle), course.melts);
+        for enthalpy in [course.begins, course.ends, f64::NAN] {
+            assert!(!course.goes_on_melting(course.melts, enthalpy), "{enthalpy}");
+        }
+        assert!(!course.goes_on_melting(course.melts.next_up(), middle));
     }
 
     #[test]

@@ -26,20 +26,21 @@ impl Latent {
         all
     }
 
-    /// Takes a particle behind all others, or with those that are [sorted](Self::sort) next.
+    /// Takes a particle: behind all others, or [`Self::sort`] has to follow.
     pub(super) fn push(&mut self, place: usize, enthalpy: f64) {
         self.places.push(place as u32);
         self.enthalpies.push(enthalpy);
     }
 
-    /// Has those from `from` on, which were taken in any order, ascend.
+    /// Puts those from the one that is `from` in the list on in order of place.
     pub(super) fn sort(&mut self, from: usize) {
         let places = self.places.drain(from..);
         let mut rest: Vec<(u32, f64)> = places.zip(self.enthalpies.drain(from..)).collect();
-        rest.sort_unstable_by_key(|&(place, _)| place);
-        let (places, enthalpies): (Vec<u32>, Vec<f64>) = rest.into_iter().unzip();
-        self.places.extend(places);
-        self.enthalpies.extend(enthalpies);
+        rest.sort_by_key(|&(place, _)| place);
+        for (place, enthalpy) in rest {
+            self.places.push(place);
+            self.enthalpies.push(enthalpy);
+        }
     }
 
     /// Their places, ascending.
@@ -67,5 +68,21 @@ impl Latent {
     /// Bytes that it holds.
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&*self.places) + size_of_val(&*self.enthalpies)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_behind_are_put_in_order_with_their_enthalpies() {
+        let mut latent = Latent::default();
+        for place in [9, 3, 8, 4, 6] {
+            latent.push(place, 10.0 * place as f64);
+        }
+        latent.sort(1);
+        assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
+        assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
     }
 }

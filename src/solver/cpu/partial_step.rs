@@ -40,8 +40,8 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     melting: Range<usize>,
     latent: Latent,
     given: f64,
-    /// Of [`Self::go_on`] alone: places that begin or end to melt, with their enthalpies, and those that pass the
-    /// melting point.
+    /// Of [`Self::go_on`] alone: places whose potentials are to be found from their enthalpies, with these, and those
+    /// that pass the melting point.
     changed: Vec<(usize, f64)>,
     crossings: Vec<usize>,
 }
@@ -253,9 +253,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let [rate, _] = step.rate_and_rest(now, out[place - first]);
             (place, course(place).enthalpy(now) + dt * rate)
         }));
-        if changed.is_empty() {
-            return;
-        }
+        let sorted = latent.places().len();
         for (place, enthalpy) in changed.drain(..) {
             let course = course(place);
             let potential = course.potential(enthalpy);
@@ -264,7 +262,9 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 latent.push(place, enthalpy);
             }
         }
-        latent.sort(from);
+        if latent.places().len() > sorted {
+            latent.sort(from);
+        }
     }
 
     /// Takes places from `first` on a step further by their enthalpies.
@@ -305,6 +305,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     /// What held particles among the places gave, value x capacity / s, and what is latent after the step.
     fn finish(self) -> (f64, Latent) {
         debug_assert_eq!(self.done, self.places.len(), "all taken on");
+        debug_assert!(self.latent.places().is_sorted(), "looked up by place");
         (self.given, self.latent)
     }
 }
