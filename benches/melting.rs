@@ -12,10 +12,12 @@
 
 #![expect(clippy::print_stdout, reason = "what a bench is for")]
 
+use std::error::Error;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
 use diffusph::case::{self, Scene};
+use diffusph::report::study::Spread;
 use diffusph::solver::{
     Backend, BackendWish, Machine, MachineWish, Path, PathChoice, PathWish, Precision,
 };
@@ -95,9 +97,7 @@ fn groups(particles: f64) -> [Group; 4] {
     [
         cube(0.5 / (0.5 * particles.cbrt()).round()),
         shipped("melting_rod", rod, |case| case["time"] = steps_of(0.2, rod, 1.28e-4)),
-        shipped("freezing_pipe", pipe, |case| {
-            case["time"] = steps_of(0.1, pipe, 1.15e-6);
-        }),
+        shipped("freezing_pipe", pipe, |case| case["time"] = steps_of(0.1, pipe, 1.15e-6)),
         shipped("laser_track", track, |case| {
             case["time"] = steps_of(0.05, track, 7.6e-6);
             // A molten layer, since the laser would take longer than the rounds.
@@ -108,8 +108,8 @@ fn groups(particles: f64) -> [Group; 4] {
     ]
 }
 
-/// Cubes with an even number of particles along an edge, of which one half is hot. Where it meets the other there is a front all over the cross-section, and there two
-/// materials meet if there are two.
+/// Cubes with an even number of particles along an edge, of which one half is hot. Where it meets the other there is a
+/// front all over the cross-section, and there two materials meet if there are two.
 fn cube(spacing: f64) -> Group {
     let solid = |conductivity: Value| json!({ "conductivity": conductivity, "density": 1000, "heat_capacity": 1 });
     let melting = |mut solid: Value, at: Value| {
@@ -123,7 +123,7 @@ fn cube(spacing: f64) -> Group {
         (min[axis], max[axis]) = (from, to);
         json!({ "box": { "min": min, "max": max } })
     };
-    let of = |axis: usize, first: Value, second: Option<Value>| {
+    let case = |axis: usize, first: Value, second: Option<Value>| {
         let (hot, cold) = (half(axis, 0.0, 0.5), half(axis, 0.5, 1.0));
         let of_cold = if second.is_some() { "second" } else { "first" };
         let materials = [("first", Some(first)), ("second", second)];
@@ -154,16 +154,16 @@ fn cube(spacing: f64) -> Group {
     Group {
         name: "cube, 26 neighbours",
         entries: vec![
-            entry("plain", "plain", of(0, plain(), None)),
-            entry("nothing melts yet", "plain", of(0, melting(plain(), json!(900)), None)),
-            entry("a front across lines", "plain", of(0, melting(plain(), at()), None)),
-            entry("a front along lines", "plain", of(2, melting(plain(), at()), None)),
-            entry("over a range", "plain", of(0, melting(plain(), json!([320, 340])), None)),
-            entry("k(T)", "k(T)", of(0, rising(), None)),
-            entry("k(T), a front", "k(T)", of(0, melting(rising(), at()), None)),
-            entry("two", "two", of(0, plain(), Some(other()))),
-            entry("two, a front", "two", of(0, melting(plain(), at()), Some(other_melting()))),
-            entry("two with k(T)", "two with k(T)", of(0, rising(), Some(other_rising()))),
+            entry("plain", "plain", case(0, plain(), None)),
+            entry("nothing melts yet", "plain", case(0, melting(plain(), json!(900)), None)),
+            entry("a front across lines", "plain", case(0, melting(plain(), at()), None)),
+            entry("a front along lines", "plain", case(2, melting(plain(), at()), None)),
+            entry("over a range", "plain", case(0, melting(plain(), json!([320, 340])), None)),
+            entry("k(T)", "k(T)", case(0, rising(), None)),
+            entry("k(T), a front", "k(T)", case(0, melting(rising(), at()), None)),
+            entry("two", "two", case(0, plain(), Some(other()))),
+            entry("two, a front", "two", case(0, melting(plain(), at()), Some(other_melting()))),
+            entry("two with k(T)", "two with k(T)", case(0, rising(), Some(other_rising()))),
         ],
     }
 }
@@ -187,92 +187,94 @@ fn shipped(name: &'static str, spacing: f64, change: impl FnOnce(&mut Value)) ->
     Group { name, entries: vec![entry("without melting", without), entry("as it is", as_it_is)] }
 }
 
-/// Takes so many steps, and waits for their end.
-type Steps = Box<dyn FnMut(u64)>;
-
-/// Makes [`Steps`] of `dt` (s).
-struct Stepping {
-    dt: f64,
+/// A scene that is ready to go on.
+struct Ready {
+    /// Takes so many steps, and waits for their end.
+    steps: Box<dyn FnMut(u64)>,
+    particles: usize,
+    path: Path,
 }
 
-impl Driver for Stepping {
-    type Output = Steps;
+/// Makes a scene of so many particles [`Ready`].
+struct Starter {
+    particles: usize,
+}
 
-    fn drive<B: Backend + 'static>(self, _: Prepared, mut backend: B) -> Steps {
-        let mut done = 0;
-        Box::new(move |count| {
-            backend.euler(done as f64 * self.dt, self.dt, count).expect("steps");
+impl Driver for Starter {
+    type Output = Ready;
+
+    fn drive<B: Backend + 'static>(self, prepared: Prepared, mut backend: B) -> Ready {
+        let (dt, mut done) = (prepared.step.dt, 0);
+        let steps = Box::new(move |count| {
+            backend.euler(done as f64 * dt, dt, count).expect("steps");
             backend.wait().expect("their end");
             done += count;
-        })
+        });
+        Ready { steps, particles: self.particles, path: prepared.plan.path }
     }
 }
 
-/// The scene of an entry on a machine, how many particles it has, and its path.
-fn start(entry: &Entry, machine: &Machine, wish: PathWish) -> (Steps, (usize, Path)) {
-    let start = || -> Result<(Steps, (usize, Path)), Box<dyn std::error::Error>> {
-        let Scene { problem, .. } = case::from_json(entry.name, entry.case.clone(), &[])?;
-        let choice = PathChoice::new(&problem, machine.kind(), wish)?;
-        let path = choice.path();
-        let dt = entry.case["time"]["step"].as_f64().expect("a step");
-        let steps = study::start(&problem, machine, choice, false, Stepping { dt })?;
-        Ok((steps, (problem.particles.len(), path)))
-    };
-    start().unwrap_or_else(|error| panic!("{}: {error}", entry.name))
+/// Puts the scene of an entry on a machine.
+fn start(entry: &Entry, machine: &Machine, wish: PathWish) -> Result<Ready, Box<dyn Error>> {
+    let Scene { problem, .. } = case::from_json(entry.name, entry.case.clone(), &[])?;
+    let choice = PathChoice::new(&problem, machine.kind(), wish)?;
+    let starter = Starter { particles: problem.particles.len() };
+    Ok(study::start(&problem, machine, choice, false, starter)?)
 }
 
-fn measure(group: &Group, machine: &Machine, arguments: &Arguments) {
+fn measure(group: &Group, machine: &Machine, arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     // What has no lattice takes the list, and says so.
     let wish = match arguments.path {
         PathName::Lattice => PathWish::Auto,
         PathName::List => PathWish::List,
     };
-    let (mut scenes, about): (Vec<Steps>, Vec<(usize, Path)>) =
-        group.entries.iter().map(|entry| start(entry, machine, wish)).unzip();
-    scenes.iter_mut().for_each(|steps| steps(STEPS_BEFORE));
+    let scenes = group.entries.iter().map(|entry| {
+        start(entry, machine, wish).map_err(|error| format!("{}: {error}", entry.name))
+    });
+    let mut scenes: Vec<Ready> = scenes.collect::<Result<_, _>>()?;
+    scenes.iter_mut().for_each(|scene| (scene.steps)(STEPS_BEFORE));
     let mut taken = vec![Vec::new(); scenes.len()];
     for _ in 0..arguments.rounds {
-        for (steps, taken) in scenes.iter_mut().zip(&mut taken) {
+        for (scene, taken) in scenes.iter_mut().zip(&mut taken) {
             let start = Instant::now();
-            steps(arguments.steps);
+            (scene.steps)(arguments.steps);
             taken.push(start.elapsed().as_secs_f64());
         }
     }
     let ratio = |one: usize, other: usize| {
-        median(taken[one].iter().zip(&taken[other]).map(|(one, other)| one / other))
+        Spread::of(taken[one].iter().zip(&taken[other]).map(|(one, other)| one / other)).median
     };
-    println!("\n{}, {} particles", group.name, about[0].0);
+    println!("\n{}, {} particles", group.name, scenes[0].particles);
     println!("{:24}{:>10}{:>10}{:>10}{:>12}", "", "path", "ns", "/ first", "/ unmelted");
-    for (k, (entry, &(count, path))) in group.entries.iter().zip(&about).enumerate() {
-        let time = 1e9 * median(taken[k].iter().copied()) / (arguments.steps as f64 * count as f64);
+    for (k, (entry, scene)) in group.entries.iter().zip(&scenes).enumerate() {
+        let particle_steps = arguments.steps as f64 * scene.particles as f64;
+        let time = 1e9 * Spread::of(taken[k].iter().copied()).median / particle_steps;
         let unmelted = group.entries.iter().position(|other| other.name == entry.unmelted);
         let [to_first, to_unmelted] =
             [0, unmelted.expect("one of the group")].map(|of| ratio(k, of));
-        let (name, path) = (entry.name, path.name());
+        let (name, path) = (entry.name, scene.path.name());
         println!("{name:24}{path:>10}{time:10.3}{to_first:10.2}{to_unmelted:12.2}");
     }
+    Ok(())
 }
 
-fn median(of: impl Iterator<Item = f64>) -> f64 {
-    let mut of: Vec<f64> = of.collect();
-    of.sort_by(f64::total_cmp);
-    of[of.len() / 2]
-}
-
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let backend = if arguments.gpu { BackendWish::Gpu } else { BackendWish::Cpu };
     let wish = MachineWish { backend, adapter: None, precision: arguments.precision };
-    let (machine, _) = Machine::open(&wish).expect("a machine");
+    let (machine, _) = Machine::open(&wish)?;
+    let groups = groups(arguments.particles);
+    let is_wanted =
+        |group: &&Group| arguments.group.as_ref().is_none_or(|part| group.name.contains(part));
+    let wanted: Vec<&Group> = groups.iter().filter(is_wanted).collect();
+    if wanted.is_empty() {
+        let names: Vec<&str> = groups.iter().map(|group| group.name).collect();
+        return Err(format!("no such group: there are {}", names.join("; ")).into());
+    }
     let place = machine.adapter().map_or_else(
         || format!("CPU, {} threads", rayon::current_num_threads()),
         |adapter| format!("{adapter}, {}", machine.kind().precision().name()),
     );
     println!("{place}: ns a particle and step");
-    let mut groups = Vec::from(groups(arguments.particles));
-    let names: Vec<&str> = groups.iter().map(|group| group.name).collect();
-    let no_such_group = format!("no group of that name: there are {names:?}");
-    groups.retain(|group| arguments.group.as_ref().is_none_or(|part| group.name.contains(part)));
-    assert!(!groups.is_empty(), "{no_such_group}");
-    groups.iter().for_each(|group| measure(group, &machine, &arguments));
+    wanted.into_iter().try_for_each(|group| measure(group, &machine, &arguments))
 }
