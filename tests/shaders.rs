@@ -145,7 +145,7 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];
-        let curves = CurveKind::ALL.map(|kind| CurvePasses { precision, workgroup_size: 64, kind });
+        let curves = CurveKind::all(precision).map(|kind| CurvePasses { precision, workgroup_size: 64, kind });
         let seams = [false, true].into_iter().flat_map(move |held| {
             PairMean::ALL.map(|pair_mean| SeamPasses {
                 precision,
@@ -180,25 +180,28 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
         let lattice = lattice.expect("every precision is among them").all();
         let on_lattice: Vec<_> = lattice.iter().filter(|s| s.pass == "lattice_step").collect();
         let choices = a_choice(precision);
-        let of_list = CurveKind::ALL.map(|kind| {
-            let each: &[_] =
-                if kind == CurveKind::Each { &["curve_of", "curve_start"] } else { &[] };
+        let of_list = CurveKind::all(precision).map(|kind| {
+            let curve: &[_] = match kind {
+                CurveKind::Phases(_) => &[],
+                CurveKind::One => &["curve"],
+                CurveKind::Each => &["curve", "curve_of", "curve_start"],
+            };
             let curves = CurvePasses { precision, workgroup_size: 64, kind };
-            let [enthalpy, noted] = [false, true].map(|noted| choices.enthalpy_step(curves, noted));
-            (choices.step(), enthalpy, noted, each)
+            let [enthalpy, noted] = [false, true].map(|kept| choices.enthalpy_step(curves, kept));
+            (choices.step(), enthalpy, noted, curve)
         });
         let [plain, of_curves @ ..] = &on_lattice[..] else {
             panic!("no steps on a lattice");
         };
         // Of phases and of one curve.
         assert_eq!(of_curves.len(), 4);
-        let on_lattice = of_curves.chunks(2).map(|step| (*plain, step[0], step[1], &[][..]));
-        let of_list = of_list.iter().map(|(plain, step, noted, each)| (plain, step, noted, *each));
-        for (plain, enthalpy, noted, each) in of_list.chain(on_lattice) {
+        let on_lattice = of_curves.chunks(2).zip([&[][..], &["curve"]]);
+        let on_lattice = on_lattice.map(|(step, curve)| (*plain, step[0], step[1], curve));
+        let of_list = of_list.iter().map(|(plain, step, noted, curve)| (plain, step, noted, *curve));
+        for (plain, enthalpy, noted, curve) in of_list.chain(on_lattice) {
             let text = plain.link().expect("every file exists");
             assert!(!text.contains("content") && !text.contains("curve"), "{text}");
-            let expected =
-                [&names(plain)[..], &["content", "content_after", "curve"], each].concat();
+            let expected = [&names(plain)[..], &["content", "content_after"], curve].concat();
             assert_eq!(names(enthalpy), expected);
             assert_eq!(names(noted), [&expected[..], &["tiles", "appended"]].concat());
         }

@@ -35,6 +35,12 @@ fn potential_of(place: u32, enthalpy: Value) -> Value {
     return potential_in(segment, above_start(segment, enthalpy));
 }
 
+// Whether an enthalpy of a segment melts at one temperature: potentials do not rise there, and its start is a solid
+// still.
+fn melts_in(segment: u32, enthalpy: real) -> bool {
+    return curve[2u * segment + 1u].x == 0.0 && enthalpy > curve[2u * segment].x;
+}
+
 // d potential / d enthalpy.
 fn slope_of(place: u32, enthalpy: Value) -> real {
     let segment = segment_at(place, collapsed(enthalpy));

@@ -4,6 +4,7 @@ fn write_enthalpy(i: u32, enthalpy: Value) {
     let segment = segment_at(i, collapsed(enthalpy));
     content_after[i] = enthalpy;
     after[i] = potential_in(segment, above_start(segment, enthalpy));
-    note(i, segment, collapsed(enthalpy));
+    if melts_in(segment, collapsed(enthalpy)) {
+        note(i);
+    }
 }
-

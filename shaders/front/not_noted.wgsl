@@ -1,3 +1,3 @@
-// Nothing is to be known of what melts.
+// Nothing is listed.
 
-fn note(place: u32, segment: u32, enthalpy: real) {}
+fn note(place: u32) {}

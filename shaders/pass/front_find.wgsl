@@ -9,6 +9,8 @@ fn front_find(
     let i = flat_index(group, groups, lane);
     if i < arrayLength(&content) {
         let enthalpy = collapsed(content[i]);
-        note(i, segment_at(i, enthalpy), enthalpy);
+        if melts_in(segment_at(i, enthalpy), enthalpy) {
+            note(i);
+        }
     }
 }

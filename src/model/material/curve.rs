@@ -205,7 +205,8 @@ impl HeatCurve {
         };
         let phases = [solid, melting, liquid];
         let is_straight = phases.iter().all(|segment| segment.bend == 0.0);
-        (is_straight && melting.slope == 0.0).then_some(phases)
+        let is_sharp = melting.slope == 0.0 && melting.start < liquid.start;
+        (is_straight && is_sharp).then_some(phases)
     }
 
     /// How it melts, and what it is then.

@@ -171,10 +171,11 @@ impl Choices {
         source
     }
 
-    /// The same of enthalpies that follow `curves`; what melts is listed where it is `noted`.
-    pub fn enthalpy_step(&self, curves: CurvePasses, noted: bool) -> PassSource {
+    /// The same of enthalpies that follow `curves`; where lists are `kept`, what flows are to be looked for of is put
+    /// on theirs.
+    pub fn enthalpy_step(&self, curves: CurvePasses, kept: bool) -> PassSource {
         let mut source = self.step();
-        curves.end_step(&mut source, noted);
+        curves.end_step(&mut source, kept);
         source
     }
 
@@ -245,10 +246,10 @@ impl Choices {
             self.diagonal(),
             self.probe(),
         ];
-        for kind in CurveKind::ALL {
-            let Self { precision, workgroup_size, .. } = *self;
+        let Self { precision, workgroup_size, .. } = *self;
+        for kind in CurveKind::all(precision) {
             let curves = CurvePasses { precision, workgroup_size, kind };
-            all.extend([false, true].map(|noted| self.enthalpy_step(curves, noted)));
+            all.extend([false, true].map(|kept| self.enthalpy_step(curves, kept)));
             all.extend(FrontMakes::ALL.map(|makes| self.front(curves, makes)));
         }
         all

@@ -1,20 +1,20 @@
 //! The passes of scenes whose state is an enthalpy.
 
-use super::fronts::note;
+use super::fronts::{Listed, note};
 use super::passes::{
     COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, know_finite, read, value, write,
 };
-use super::phases::roundings;
+use super::phases::Phases;
 use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
 use crate::solver::Precision;
 
 /// Which curves enthalpies follow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CurveKind {
     /// One, of constant conductivities in each phase, that melts at one temperature: potentials tell enthalpies but of
     /// what melts, and explicit Euler steps take potentials on.
-    Phases,
+    Phases(Phases),
     /// One.
     One,
     /// Each place that of its material.
@@ -22,12 +22,14 @@ pub enum CurveKind {
 }
 
 impl CurveKind {
-    /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Phases, Self::One, Self::Each];
+    /// Every kind, as it is in a `precision`, with some phases.
+    pub fn all(precision: Precision) -> [Self; 3] {
+        [Self::Phases(Phases::some(precision)), Self::One, Self::Each]
+    }
 }
 
 /// What the shaders of enthalpies follow from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePasses {
     /// The precision.
     pub precision: Precision,
@@ -52,42 +54,41 @@ pub struct SeamPasses {
 
 impl CurvePasses {
     /// Makes a pass over all places of a step of potentials one of enthalpies, which writes both, but for an enthalpy
-    /// that its potential tells; what melts is listed where it is `noted`.
-    pub(super) fn end_step(self, source: &mut PassSource, noted: bool) {
+    /// that its potential tells; where lists are `kept`, what flows are to be looked for of is put on theirs.
+    pub(super) fn end_step(self, source: &mut PassSource, kept: bool) {
         source.bindings.push(read("content", value(self.precision)));
-        let end = match self.kind {
-            CurveKind::Phases => "end/phases_step",
-            CurveKind::One | CurveKind::Each => "end/enthalpy",
-        };
-        self.end(source, end, noted);
+        self.end(source, ["end/phases_step", "end/enthalpy"], kept.then_some(Listed::Near));
     }
 
-    /// The same of a pass that adds to what those have written, and has the enthalpies before.
-    pub(super) fn end_correction(self, source: &mut PassSource, noted: bool) {
-        let end = match self.kind {
-            CurveKind::Phases => "end/phases_correction",
-            CurveKind::One | CurveKind::Each => "end/correction",
-        };
-        self.end(source, end, noted);
+    /// The same of a pass that adds to what those have written, and has the enthalpies before: where lists are `kept`,
+    /// what melts is put on its own.
+    pub(super) fn end_correction(self, source: &mut PassSource, kept: bool) {
+        let ends = ["end/phases_correction", "end/correction"];
+        self.end(source, ends, kept.then_some(Listed::Melting));
     }
 
-    /// Its buffers are those of `HeatFields::of_end`.
-    fn end(self, source: &mut PassSource, end: &str, noted: bool) {
+    /// Its buffers are those of `HeatFields::of_end`; of two ends the first is that of phases.
+    fn end(
+        self,
+        source: &mut PassSource,
+        [of_phases, of_curves]: [&str; 2],
+        noted_in: Option<Listed>,
+    ) {
         source.bindings.push(write("content_after", value(self.precision)));
-        source.bindings.extend(of_curves(self.is_each()));
         source.slots.retain(|slot| slot != STATE_END);
         let slots: &[&str] = match self.kind {
-            CurveKind::Phases => {
+            CurveKind::Phases(phases) => {
                 know_finite(source);
-                source.constants.push(("ROUNDINGS", Constant::Real(roundings(self.precision))));
-                &["end/phases", end]
+                source.constants.extend(phases.constants());
+                &["end/phases", of_phases]
             }
             CurveKind::One | CurveKind::Each => {
-                &[self.bounds(), "curve/segments", "end/written", end]
+                source.bindings.extend(curve_bindings(self.is_each()));
+                &[self.bounds(), "curve/segments", "end/written", of_curves]
             }
         };
         source.slots.extend(slots.iter().map(|&slot| slot.to_owned()));
-        note(source, noted);
+        note(source, noted_in);
     }
 
     /// Whether each place has the curve of its own material.
@@ -106,14 +107,14 @@ impl CurvePasses {
         ];
         let mut source = self.on_curve("enthalpy_add", &states);
         source.slots.push("end/written".to_owned());
-        note(&mut source, false);
+        note(&mut source, None);
         source
     }
 
     /// Lists what melts.
     pub fn find_fronts(self) -> PassSource {
         let mut source = self.on_curve("front_find", &[read("content", value(self.precision))]);
-        note(&mut source, true);
+        note(&mut source, Some(Listed::Melting));
         source
     }
 
@@ -146,7 +147,7 @@ impl CurvePasses {
 
     fn on_curve(self, pass: &'static str, states: &[Binding]) -> PassSource {
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
-        bindings.extend(of_curves(self.is_each()));
+        bindings.extend(curve_bindings(self.is_each()));
         bindings.extend(states);
         let slots = [self.bounds(), "curve/segments"];
         source(self.precision, self.workgroup_size, pass, bindings, &slots)
@@ -158,12 +159,12 @@ impl CurvePasses {
 }
 
 impl SeamPasses {
-    /// Adds what the matrix is short of to a step; what melts is listed where it is `noted`.
-    pub fn step(self, noted: bool) -> PassSource {
+    /// Adds what the matrix is short of to a step; what melts is put on its list where lists are `kept`.
+    pub fn step(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/written", "end/correction"];
         let mut source = self.on_rows("seams/of_state", &to, "seams/exchange");
         source.bindings.push(write("content_after", value(self.precision)));
-        note(&mut source, noted);
+        note(&mut source, kept.then_some(Listed::Melting));
         if self.held {
             source.bindings.push(write("exchange", Element::Real2));
         }
@@ -204,7 +205,7 @@ impl SeamPasses {
     fn on_rows(self, of: &str, to: &[&str], held: &str) -> PassSource {
         let value = value(self.precision);
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
-        bindings.extend(of_curves(true));
+        bindings.extend(curve_bindings(true));
         bindings.extend([
             read("thermal", Element::Real4),
             read("seam_row", Element::U32x4),
@@ -222,7 +223,7 @@ impl SeamPasses {
 }
 
 /// The curves: segments and, where each place has that of its material, which and where these begin.
-fn of_curves(each: bool) -> impl Iterator<Item = Binding> {
+fn curve_bindings(each: bool) -> impl Iterator<Item = Binding> {
     let of_each = [read("curve_of", Element::U32), read("curve_start", Element::U32)];
     [read("curve", Element::Real4)].into_iter().chain(of_each.into_iter().filter(move |_| each))
 }

@@ -1,7 +1,7 @@
 //! Enthalpy on the device, and the potentials that come of it.
 
 use super::curve_passes::{CurveKind, CurvePasses};
-use super::fronts::{DeviceFronts, FrontMakes};
+use super::fronts::{DeviceFronts, FrontMakes, Listed};
 use super::phases::Phases;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::material::Segment;
@@ -108,7 +108,7 @@ impl Enthalpy {
             Curves::Each { .. } => (CurveKind::Each, None),
             Curves::One(curve) => match Phases::of(curve, precision) {
                 None => (CurveKind::One, None),
-                phases => (CurveKind::Phases, phases),
+                Some(phases) => (CurveKind::Phases(phases), Some(phases)),
             },
         };
         let passes = CurvePasses { precision, workgroup_size, kind };
@@ -172,7 +172,8 @@ impl Enthalpy {
         from: usize,
         fronts: &DeviceFronts,
     ) -> Result<Option<Pass>, GpuError> {
-        let (Some(noted), [content]) = (fronts.noted(), self.parts(from)) else {
+        let noted = fronts.noted_in(Listed::Melting);
+        let (Some(noted), [content]) = (noted, self.parts(from)) else {
             return Ok(None);
         };
         let mut buffers = vec![step_size];
@@ -203,13 +204,13 @@ pub(super) struct HeatFields<'a> {
 impl<'a> HeatFields<'a> {
     /// Makes a pass over all places of a step one of enthalpies.
     pub(super) fn end_step(&self, source: &mut PassSource) {
-        self.enthalpy.passes.end_step(source, self.noted().is_some());
+        self.enthalpy.passes.end_step(source, self.noted_in(Listed::Near).is_some());
     }
 
     /// The buffers of such a pass on part `k` of the state, after those of a step of potentials.
     pub(super) fn of_step(&self, k: usize) -> Vec<&'a Buffer> {
         let mut buffers = vec![&self.enthalpy.parts[self.from][k]];
-        buffers.extend(self.of_end(k));
+        buffers.extend(self.of_end(k, Listed::Near));
         buffers
     }
 
@@ -227,22 +228,24 @@ impl<'a> HeatFields<'a> {
             contents.map(|part| &self.enthalpy.parts[self.from][part]).collect();
         buffers.extend(fronts.buffers(makes, k, self.enthalpy.curve.get(1)));
         if makes == FrontMakes::Flows {
-            buffers.extend(self.of_end(k));
+            buffers.extend(self.of_end(k, Listed::Melting));
         }
         buffers
     }
 
     /// The buffers that the end of a pass of a step has, in the order of its bindings: see `CurvePasses::end`.
-    fn of_end(&self, k: usize) -> Vec<&'a Buffer> {
+    fn of_end(&self, k: usize, list: Listed) -> Vec<&'a Buffer> {
         let mut buffers = vec![&self.enthalpy.parts[1 - self.from][k]];
-        buffers.extend(&self.enthalpy.curve);
-        buffers.extend(self.noted().into_iter().flatten());
+        if self.enthalpy.phases.is_none() {
+            buffers.extend(&self.enthalpy.curve);
+        }
+        buffers.extend(self.noted_in(list).into_iter().flatten());
         buffers
     }
 
-    /// The buffers of what lists what melts.
-    pub(super) fn noted(&self) -> Option<[&'a Buffer; 2]> {
-        self.fronts.and_then(DeviceFronts::noted)
+    /// The buffers of what puts tiles on a list, where there are lists.
+    pub(super) fn noted_in(&self, list: Listed) -> Option<[&'a Buffer; 2]> {
+        self.fronts.and_then(|fronts| fronts.noted_in(list))
     }
 }
 

@@ -1,9 +1,9 @@
 //! What fronts change of the flows of a step, on the device.
 //!
 //! Little melts, and flows change only there and beside it. So places are in tiles of [`TILE`] that follow each
-//! other, and a step goes through lists of tiles, whose lengths only the device knows: before a step those where
-//! anything melts are listed, then those of these and of their neighbours, and there flows are looked for after it.
-//! Every pass of a step that writes an enthalpy lists for the next one what melts.
+//! other, and a step goes through lists of tiles, whose lengths only the device knows: before it through those where
+//! anything melts, to list these and those of their neighbours. The step lists those too where anything begins or ends
+//! to melt. After it flows are looked for in all of these, and what melts is listed for the next step.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 
@@ -27,10 +27,10 @@ const MOST_WORKGROUPS: u32 = 65_535;
 
 /// The lists of tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Listed {
+pub(super) enum Listed {
     /// Those where anything melts.
     Melting,
-    /// These, and those of the neighbours of what melts.
+    /// These, those of the neighbours of what melts, and those where a step has anything begin or end to.
     Near,
 }
 
@@ -75,7 +75,7 @@ impl FrontMakes {
             "front/melting",
             if curves.is_each() { "front/each" } else { "front/one" },
             match curves.kind {
-                CurveKind::Phases => "front/told",
+                CurveKind::Phases(_) => "front/told",
                 CurveKind::One | CurveKind::Each => "front/content",
             },
             if is_split { "front/split" } else { "front/whole" },
@@ -111,12 +111,12 @@ impl FrontMakes {
     }
 }
 
-/// Makes a pass that writes enthalpies list what melts of them, or not.
-pub(super) fn note(source: &mut PassSource, noted: bool) {
-    let slot = if noted { "front/noted" } else { "front/not_noted" };
+/// Has a pass put the tiles of what it notes on a list, or on none.
+pub(super) fn note(source: &mut PassSource, list: Option<Listed>) {
+    let slot = if list.is_some() { "front/noted" } else { "front/not_noted" };
     source.slots.push(slot.to_owned());
-    if noted {
-        append_to(source, Listed::Melting);
+    if let Some(list) = list {
+        append_to(source, list);
     }
 }
 
@@ -251,10 +251,14 @@ impl DeviceFronts {
         })
     }
 
-    /// The buffers of a pass that lists what melts, after its own; `None` without lists.
-    pub(super) fn noted(&self) -> Option<[&Buffer; 2]> {
+    /// The buffers of a pass that puts what it notes on a list, after its own; `None` without lists.
+    pub(super) fn noted_in(&self, list: Listed) -> Option<[&Buffer; 2]> {
         let lists = self.lists.as_ref()?;
-        Some([&self.tiles[0], &lists.melting])
+        let appended = match list {
+            Listed::Melting => &lists.melting,
+            Listed::Near => &lists.near,
+        };
+        Some([&self.tiles[0], appended])
     }
 
     /// The buffers of a pass on part `k` of the state, after those of enthalpies; `curve_of` says which curve each

@@ -137,13 +137,8 @@ impl Operator {
         };
         let curves = heat.enthalpy.sources();
         let through_places = self.passes_of_front(device, makes, fields, heat, fronts)?;
-        if makes == FrontMakes::Flows {
-            return Ok(through_places);
-        }
-        let size = |makes| fronts.size(device, curves, makes);
-        // A step fills the list again that the last of these empties.
-        let [before, after] = [size(FrontMakes::Near)?, size(FrontMakes::Flows)?];
-        Ok(before.into_iter().chain(through_places).chain(after).collect())
+        let size = fronts.size(device, curves, makes)?;
+        Ok(size.into_iter().chain(through_places).collect())
     }
 
     /// Those of these that go through places.

@@ -4,12 +4,13 @@
 //! (`shaders/end/phases.wgsl`): so a step reads and writes one value of a particle, as without melting. Enthalpies in
 //! memory are up to date only where potentials are that of melting, until they are asked for.
 
+use crate::gpu::Constant;
 use crate::model::HeatCurve;
 use crate::solver::Precision;
 
 /// The phases of a material, in the numbers that a device has of them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Phases {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phases {
     precision: Precision,
     /// Enthalpies between which it melts, K.
     begins: f64,
@@ -21,7 +22,7 @@ pub(super) struct Phases {
 }
 
 /// How near a potential is taken for that of melting, in parts of it: a few roundings of a value.
-pub(super) fn roundings(precision: Precision) -> f64 {
+fn roundings(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => f64::from(4.0 * f32::EPSILON),
         // The second word has as many bits as the first.
@@ -59,11 +60,40 @@ impl Phases {
         })
     }
 
+    /// Some, to look at shaders with.
+    pub(super) fn some(precision: Precision) -> Self {
+        Self { precision, begins: 300.5, ends: 400.0, melts: 300.5, slopes: [1.0, 0.5] }
+    }
+
+    /// These numbers in shaders. As constants they cost a step nothing.
+    pub(super) fn constants(&self) -> [(&'static str, Constant); 9] {
+        let Self { precision, begins, ends, melts, slopes: [solid, liquid] } = *self;
+        let [[begins, begins_rest], [ends, ends_rest], [melts, melts_rest]] =
+            [begins, ends, melts].map(|number| precision.in_words(number));
+        [
+            ("BEGINS", begins),
+            ("BEGINS_REST", begins_rest),
+            ("ENDS", ends),
+            ("ENDS_REST", ends_rest),
+            ("MELTS", melts),
+            ("MELTS_REST", melts_rest),
+            ("SOLID_SLOPE", solid),
+            ("LIQUID_SLOPE", liquid),
+            ("WIDTH", self.width()),
+        ]
+        .map(|(name, number)| (name, Constant::Real(number)))
+    }
+
+    /// How near a potential is taken for that of melting, K.
+    fn width(&self) -> f64 {
+        roundings(self.precision) * self.melts.abs()
+    }
+
     /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others, as in
     /// `shaders/end/phases.wgsl`.
     pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
         let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
-        let width = roundings(self.precision) * melts.abs();
+        let width = self.width();
         let potential = |&enthalpy: &f64| {
             let [of_solid, of_liquid] = [solid * (enthalpy - begins), liquid * (enthalpy - ends)];
             if of_solid < -width {

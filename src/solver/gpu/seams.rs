@@ -2,6 +2,7 @@
 
 use super::curve_passes::SeamPasses;
 use super::enthalpy::{Curves, Enthalpy, HeatFields};
+use super::fronts::Listed;
 use super::passes::NO_SLOT;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::operator::Seams;
@@ -84,7 +85,7 @@ impl DeviceSeams {
         exchange: Option<&Buffer>,
     ) -> Result<Pass, GpuError> {
         let HeatFields { enthalpy, from, .. } = heat;
-        let noted = heat.noted();
+        let noted = heat.noted_in(Listed::Melting);
         let source = self.passes.step(noted.is_some());
         let content_after = &enthalpy.parts(1 - from)[0];
         let more = [content_after].into_iter().chain(noted.into_iter().flatten());

@@ -83,9 +83,9 @@ impl StencilSource {
         let of_curves = |kind| {
             let curves = CurvePasses { precision, workgroup_size, kind };
             [Sites::All, Sites::Exceptions].into_iter().flat_map(move |sites| {
-                let step = |noted| {
+                let step = |kept| {
                     let mut source = self.pass(sites, Makes::Step);
-                    curves.end_step(&mut source, noted);
+                    curves.end_step(&mut source, kept);
                     source
                 };
                 let front = move |&makes: &FrontMakes| self.front(sites, curves, makes);
@@ -93,7 +93,9 @@ impl StencilSource {
                 steps.chain(FrontMakes::of(self.is_split).iter().map(front))
             })
         };
-        let of_curves = [CurveKind::Phases, CurveKind::One].into_iter().flat_map(of_curves);
+        // Only a list may have several.
+        let [phases, one, _] = CurveKind::all(precision);
+        let of_curves = [phases, one].into_iter().flat_map(of_curves);
         all.chain(diagonals).chain(of_curves).collect()
     }
 
