@@ -104,9 +104,13 @@ fn agrees(dimension: usize, precisions: &[Precision]) {
             let scene = melting(dimension, method, precision);
             let (cpu, on_cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
             assert!(cpu.front.expect("it melts").liquid_volume > 1e-3, "{}", method.0);
-            for path in [PathWish::List, PathWish::MatrixFree] {
+            for (path, name) in [
+                (PathWish::List, "list"),
+                (PathWish::Lattice, "mixed"),
+                (PathWish::MatrixFree, "matrix-free"),
+            ] {
                 let (report, here) = temperatures(&scene, &on_gpu(precision), path);
-                assert_eq!((&*report.backend, &*report.path), ("gpu", path.name()));
+                assert_eq!((&*report.backend, &*report.path), ("gpu", name));
                 let (off, drift) =
                     (furthest(&on_cpu, &here), report.conserved.relative_drift.abs());
                 let what =
@@ -119,7 +123,7 @@ fn agrees(dimension: usize, precisions: &[Precision]) {
 }
 
 #[test]
-fn three_bars_in_a_row_agree_in_every_precision_by_list_and_matrix_free() {
+fn three_bars_in_a_row_agree_in_every_precision_on_every_path() {
     agrees(1, &Precision::ALL);
 }
 

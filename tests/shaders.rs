@@ -6,7 +6,7 @@ use diffusph::gpu::limits::{CHAIN, limit_sources};
 use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
-use diffusph::solver::gpu::curve_passes::{CurveKind, CurvePasses, SeamPasses};
+use diffusph::solver::gpu::curve_passes::{CurveKind, CurvePasses, HeldIn, SeamPasses};
 use diffusph::solver::gpu::lattice::{PART, StencilSource};
 use diffusph::solver::gpu::passes::{
     CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, finite, self_test, still,
@@ -145,8 +145,12 @@ fn every_combination_is_valid() {
     let passes = passes.chain(lattices().into_iter().flat_map(|lattice| lattice.all()));
     let on_states = |precision| {
         let looks = [finite(precision, 64), still(precision, 64)];
-        let curves = CurveKind::all(precision).map(|kind| CurvePasses { precision, workgroup_size: 64, kind });
-        let seams = [false, true].into_iter().flat_map(move |held| {
+        let curves = CurveKind::all(precision).map(|kind| CurvePasses {
+            precision,
+            workgroup_size: 64,
+            kind,
+        });
+        let seams = HeldIn::ALL.into_iter().flat_map(move |held| {
             PairMean::ALL.map(|pair_mean| SeamPasses {
                 precision,
                 workgroup_size: 64,
@@ -193,11 +197,11 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
         let [plain, of_curves @ ..] = &on_lattice[..] else {
             panic!("no steps on a lattice");
         };
-        // Of phases and of one curve.
-        assert_eq!(of_curves.len(), 4);
-        let on_lattice = of_curves.chunks(2).zip([&[][..], &["curve"]]);
-        let on_lattice = on_lattice.map(|(step, curve)| (*plain, step[0], step[1], curve));
-        let of_list = of_list.iter().map(|(plain, step, noted, curve)| (plain, step, noted, *curve));
+        assert_eq!(of_curves.len(), 2 * of_list.len());
+        let on_lattice = of_curves.chunks(2).zip(&of_list);
+        let on_lattice = on_lattice.map(|(step, (.., curve))| (*plain, step[0], step[1], *curve));
+        let of_list =
+            of_list.iter().map(|(plain, step, noted, curve)| (plain, step, noted, *curve));
         for (plain, enthalpy, noted, curve) in of_list.chain(on_lattice) {
             let text = plain.link().expect("every file exists");
             assert!(!text.contains("content") && !text.contains("curve"), "{text}");

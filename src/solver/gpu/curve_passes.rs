@@ -48,8 +48,24 @@ pub struct SeamPasses {
     pub workgroup_size: u32,
     /// How conductivities are joined.
     pub pair_mean: PairMean,
-    /// Whether some particles keep their value.
-    pub held: bool,
+    /// What has to know of held particles what they give.
+    pub held: HeldIn,
+}
+
+/// What has what held particles give, where there are any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeldIn {
+    /// There are none.
+    None,
+    /// The exchange of the rows of a list.
+    Rows,
+    /// The held particles of a lattice.
+    Lattice,
+}
+
+impl HeldIn {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::None, Self::Rows, Self::Lattice];
 }
 
 impl CurvePasses {
@@ -162,12 +178,15 @@ impl SeamPasses {
     /// Adds what the matrix is short of to a step; what melts is put on its list where lists are `kept`.
     pub fn step(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/written", "end/correction"];
-        let mut source = self.on_rows("seams/of_state", &to, "seams/exchange");
+        let (slot, binding) = match self.held {
+            HeldIn::None => ("seams/no_held", None),
+            HeldIn::Rows => ("seams/exchange", Some(write("exchange", Element::Real2))),
+            HeldIn::Lattice => ("seams/held", Some(write("held", Element::Real4))),
+        };
+        let mut source = self.on_rows("seams/of_state", &to, slot);
         source.bindings.push(write("content_after", value(self.precision)));
         note(&mut source, kept.then_some(Listed::Melting));
-        if self.held {
-            source.bindings.push(write("exchange", Element::Real2));
-        }
+        source.bindings.extend(binding);
         source
     }
 
@@ -193,10 +212,16 @@ impl SeamPasses {
         vec![self.step(false), self.step(true), self.rate(), self.combine(), self.change()]
     }
 
+    /// Whether some particles keep their value.
+    pub(super) fn has_held(self) -> bool {
+        self.held != HeldIn::None
+    }
+
     fn combined(self, of: &'static str) -> PassSource {
-        let mut source = self.on_rows(of, &["seams/to_vector", "end/sum"], "seams/given");
+        let held = if self.has_held() { "seams/given" } else { "seams/no_held" };
+        let mut source = self.on_rows(of, &["seams/to_vector", "end/sum"], held);
         source.bindings.push(block("factors", &COMBINATION));
-        if self.held {
+        if self.has_held() {
             source.bindings.push(write("given", value(self.precision)));
         }
         source
@@ -214,7 +239,6 @@ impl SeamPasses {
             read("content", value),
             write("after", value),
         ]);
-        let held = if self.held { held } else { "seams/no_held" };
         let mean = format!("operator/{}", self.pair_mean.name());
         let rows = ["curve/each", "curve/segments", &mean, "seams/rows", of, held];
         let slots: Vec<&str> = rows.iter().chain(to).copied().collect();

@@ -35,7 +35,8 @@ impl Curves {
             }
         };
         let material: Vec<u32> = problem.particles.material.iter().map(|&m| m.into()).collect();
-        let of = super::by_place(order, &material, 0).into_owned();
+        // Where there is no particle, there is what the first is of: its enthalpy is there too.
+        let of = super::by_place(order, &material, material[0]).into_owned();
         Some(Self::Each { of, curves: problem.materials.iter().map(curve).collect() })
     }
 

@@ -35,7 +35,7 @@ use crate::model::neighbors::CellLayout;
 use crate::model::operator::{SomeRows, SourceRows};
 use crate::model::{Material, Problem};
 
-use curve_passes::SeamPasses;
+use curve_passes::{HeldIn, SeamPasses};
 use enthalpy::Curves;
 use fronts::DeviceFronts;
 pub use fronts::TILE;
@@ -55,9 +55,8 @@ pub use vector::GpuVector;
 use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
 
-/// Why a scene takes the list on a device where several materials meet of which one has a curve.
-pub(super) const SEVERAL_CURVES: &str =
-    "several materials, of which one melts or conducts as its temperature";
+/// Why a device has no lattice of several materials of which one has a curve.
+const CURVES_IN_PARTS: &str = "several materials, of which one melts or conducts as its temperature, in more than a buffer of the device holds";
 
 /// How a scene is put on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,14 +195,14 @@ impl GpuBackend {
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
         let curves = Curves::of(problem, Some(&order));
-        let passes = SeamPasses {
-            precision: options.precision,
-            workgroup_size: options.workgroup_size,
-            pair_mean: problem.pair_mean,
-            held: !rows.is_empty(),
-        };
+        let mut place = vec![0; order.len()];
+        for (k, &particle) in (0..).zip(&order) {
+            place[particle as usize] = k;
+        }
+        let held_in = if rows.is_empty() { HeldIn::None } else { HeldIn::Rows };
+        let passes = seam_passes(problem, options, held_in);
         let of_curves =
-            |curves| DeviceSeams::new(device, problem, curves, &order, &rows, scaling.step, passes);
+            |curves| DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes);
         let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
         let parts = operator.parts(order.len());
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, &[])?;
@@ -277,9 +276,6 @@ impl GpuBackend {
         device: &Device,
         options: GpuOptions,
     ) -> Result<Self, SolverError> {
-        if !problem.has_one_curve() {
-            return Err(SolverError::NoLattice { why: SEVERAL_CURVES });
-        }
         let real = options.precision.real();
         device.require(real)?;
         let Beside { held, walls, .. } = beside;
@@ -300,9 +296,19 @@ impl GpuBackend {
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
         let curves = Curves::of(problem, order);
         let parts = operator.parts(initial.len());
+        if parts.len() > 1 && !problem.has_one_curve() {
+            return Err(SolverError::NoLattice { why: CURVES_IN_PARTS });
+        }
+        let held_in = if held.is_empty() { HeldIn::None } else { HeldIn::Lattice };
+        let passes = seam_passes(problem, options, held_in);
+        let of_curves = |curves| {
+            let place: Vec<u32> = (0..problem.particles.len() as u32).map(scene.sites()).collect();
+            DeviceSeams::new(device, problem, curves, &place, held, reference, passes)
+        };
+        let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
         let exceptions = operator.exceptions();
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, exceptions)?;
-        let heat = Heat { curves: curves.as_ref(), seams: None, fronts };
+        let heat = Heat { curves: curves.as_ref(), seams, fronts };
         Ok(Self {
             steps: Steps::new(device, &operator, &initial, heat, exchange, slots)?,
             device: device.clone(),
@@ -392,6 +398,12 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
         precision: options.precision,
         workgroup_size: options.workgroup_size,
     }
+}
+
+/// What the shaders where materials meet follow from.
+fn seam_passes(problem: &Problem, options: GpuOptions, held: HeldIn) -> SeamPasses {
+    let GpuOptions { precision, workgroup_size, .. } = options;
+    SeamPasses { precision, workgroup_size, pair_mean: problem.pair_mean, held }
 }
 
 /// Row and capacity of each held particle.

@@ -32,23 +32,18 @@ pub(super) struct SeamFields<'a> {
 }
 
 impl DeviceSeams {
-    /// The seams of `problem`, whose particles follow `curves`, with a particle `order[k]` in place k, of which
-    /// places `held` (ascending) are held; weights are relative to `reference_step` (s). `None` where there
-    /// are none.
+    /// The seams of `problem`, whose particles follow `curves` and have each its `place`, of which `held` (ascending)
+    /// are held; weights are relative to `reference_step` (s). `None` where there are none.
     pub(super) fn new(
         device: &Device,
         problem: &Problem,
         curves: &Curves,
-        order: &[u32],
+        place: &[u32],
         held: &[u32],
         reference_step: f64,
         passes: SeamPasses,
     ) -> Result<Option<Self>, GpuError> {
-        let mut place = vec![0; problem.particles.len()];
-        for (k, &particle) in (0..).zip(order) {
-            place[particle as usize] = k;
-        }
-        let Some(seams) = Seams::of(problem, &place) else {
+        let Some(seams) = Seams::of(problem, place) else {
             return Ok(None);
         };
         let scale = 1.0 / curves.largest_reference();
@@ -89,7 +84,7 @@ impl DeviceSeams {
         let source = self.passes.step(noted.is_some());
         let content_after = &enthalpy.parts(1 - from)[0];
         let more = [content_after].into_iter().chain(noted.into_iter().flatten());
-        let exchange = exchange.into_iter().filter(|_| self.passes.held);
+        let exchange = exchange.into_iter().filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
         self.pass(device, &source, fields, more.chain(exchange))
     }
@@ -106,7 +101,7 @@ impl DeviceSeams {
         fields: SeamFields<'_>,
         [factors, given]: [&Buffer; 2],
     ) -> Result<Pass, GpuError> {
-        let given = self.passes.held.then_some(given);
+        let given = self.passes.has_held().then_some(given);
         self.pass(
             device,
             &self.passes.combine(),
@@ -122,7 +117,7 @@ impl DeviceSeams {
         fields: SeamFields<'_>,
         [factors, given, change]: [&Buffer; 3],
     ) -> Result<Pass, GpuError> {
-        let given = self.passes.held.then_some(given);
+        let given = self.passes.has_held().then_some(given);
         let more = [Some(factors), given, Some(change)].into_iter().flatten();
         self.pass(device, &self.passes.change(), fields, more)
     }

@@ -83,7 +83,6 @@ impl PathChoice {
             (PathWish::List, _) => return Ok(Self::List(None)),
             (PathWish::MatrixFree, MachineKind::Gpu(_)) => return Ok(Self::MatrixFree(None)),
             (PathWish::MatrixFree, MachineKind::Cpu) => return Err(SolverError::MatrixFreeOnCpu),
-            (_, MachineKind::Gpu(_)) if !problem.has_one_curve() => Err(gpu::SEVERAL_CURVES),
             (_, machine) => match LatticeScene::of(problem) {
                 Ok(scene) => Ok(Self::Lattice(Arc::new(scene))),
                 Err(why) => Self::mixed(problem, machine, wish, why),

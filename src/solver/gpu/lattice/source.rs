@@ -93,9 +93,10 @@ impl StencilSource {
                 steps.chain(FrontMakes::of(self.is_split).iter().map(front))
             })
         };
-        // Only a list may have several.
-        let [phases, one, _] = CurveKind::all(precision);
-        let of_curves = [phases, one].into_iter().flat_map(of_curves);
+        // A state in parts has one curve.
+        let kinds = CurveKind::all(precision).into_iter();
+        let kinds = kinds.filter(|&kind| !self.is_split || kind != CurveKind::Each);
+        let of_curves = kinds.flat_map(of_curves);
         all.chain(diagonals).chain(of_curves).collect()
     }
 
