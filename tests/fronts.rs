@@ -166,9 +166,6 @@ fn a_gpu_has_the_fronts_of_the_cpu_on_every_path() {
         let scene = sheet([50, 40], hole, two);
         let (_, cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
         for path in [PathWish::Lattice, PathWish::List, PathWish::MatrixFree] {
-            if two && path == PathWish::Lattice {
-                continue;
-            }
             for (precision, most, kept) in [
                 (Precision::F64, 1e-9, 1e-12),
                 (Precision::Compensated, 2e-2, 1e-6),

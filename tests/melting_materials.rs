@@ -10,7 +10,9 @@ mod fields;
 mod support;
 
 use diffusph::case::Scene;
+use diffusph::model::lattice::MixedScene;
 use diffusph::solver::cpu::CpuBackend;
+use diffusph::solver::gpu::{GpuBackend, GpuOptions};
 use diffusph::solver::{Backend, Machine, PathWish, Precision};
 use serde_json::{Value, json};
 
@@ -127,9 +129,6 @@ fn a_gpu_does_what_the_cpu_does() {
 
 #[test]
 fn rates_on_a_gpu_know_what_materials_exchange() {
-    use diffusph::solver::Backend;
-    use diffusph::solver::cpu::CpuBackend;
-    use diffusph::solver::gpu::GpuBackend;
     let mut problem = in_equal_steps(&melting(), "euler", 1.0, 400).problem;
     // Some melt, some have.
     let x = |p: usize| problem.particles.position[p].x;
@@ -160,6 +159,23 @@ fn auto_takes_a_gpu_where_several_materials_melt() {
     let scene = in_equal_steps(&melting(), "euler", 1.0, 2);
     let (report, _) = run_on(&scene, &on_gpu(Precision::F64), PathWish::Auto);
     assert_eq!((report.path, report.backend), ("mixed".into(), "gpu".into()));
+}
+
+#[test]
+fn several_materials_that_melt_have_a_state_in_one_part() {
+    let problem = in_equal_steps(&melting(), "euler", 1.0, 2).problem;
+    let scene = MixedScene::of(&problem).expect("a lattice in part");
+    let (_, rows) = scene.assemble(&problem);
+    let Machine::Gpu { device, precision } = on_gpu(Precision::F64) else { unreachable!() };
+    let with = |chunk_bytes| {
+        let options = GpuOptions { chunk_bytes, ..GpuOptions::new(precision) };
+        GpuBackend::mixed(&problem, &scene, &rows, 0.01, &device, options)
+    };
+    with(None).expect("a backend");
+    let counts = scene.lattice.counts.map(|count| count as u64);
+    let [eight_lines, all] = [8, counts[1]].map(|lines| lines * counts[0] * precision.bytes());
+    let error = with(Some(eight_lines)).expect_err("several curves").to_string();
+    assert!(error.contains("several materials") && error.contains(&all.to_string()), "{error}");
 }
 
 #[test]

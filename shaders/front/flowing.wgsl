@@ -43,3 +43,10 @@ fn begin(place: u32) -> bool {
     own_above = above_front(own_front, potential_at(place));
     return true;
 }
+
+// What is held goes on melting if it does.
+fn keep_listed(i: u32) {
+    if own_melts {
+        note(i);
+    }
+}

@@ -18,6 +18,7 @@ fn exception_front(
     let increment = step_size.over_reference * row_sum(row, site, own_value(site));
     if is_held(row) {
         record_exchange(row, increment, real(0.0));
+        keep_listed(local);
     } else {
         correct(local, increment);
     }

@@ -17,6 +17,7 @@ fn front(
     let increment = step_size.over_reference * row_sum(row);
     if is_held(row) {
         record_exchange(row, increment);
+        keep_listed(row);
     } else {
         correct(row, increment);
     }

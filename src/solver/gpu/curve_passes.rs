@@ -48,11 +48,11 @@ pub struct SeamPasses {
     pub workgroup_size: u32,
     /// How conductivities are joined.
     pub pair_mean: PairMean,
-    /// What has to know of held particles what they give.
+    /// Where what held particles give is counted.
     pub held: HeldIn,
 }
 
-/// What has what held particles give, where there are any.
+/// Where what held particles give is counted, if there are any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldIn {
     /// There are none.
@@ -79,6 +79,9 @@ impl CurvePasses {
     /// The same of a pass that adds to what those have written, and has the enthalpies before: where lists are `kept`,
     /// what melts is put on its own.
     pub(super) fn end_correction(self, source: &mut PassSource, kept: bool) {
+        if matches!(self.kind, CurveKind::Phases(_)) {
+            know_finite(source);
+        }
         let ends = ["end/phases_correction", "end/correction"];
         self.end(source, ends, kept.then_some(Listed::Melting));
     }
@@ -94,7 +97,6 @@ impl CurvePasses {
         source.slots.retain(|slot| slot != STATE_END);
         let slots: &[&str] = match self.kind {
             CurveKind::Phases(phases) => {
-                know_finite(source);
                 source.constants.extend(phases.constants());
                 &["end/phases", of_phases]
             }

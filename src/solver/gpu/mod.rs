@@ -55,8 +55,9 @@ pub use vector::GpuVector;
 use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
 
-/// Why a device has no lattice of several materials of which one has a curve.
-const CURVES_IN_PARTS: &str = "several materials, of which one melts or conducts as its temperature, in more than a buffer of the device holds";
+/// What has to be in one buffer.
+const STATE_OF_SEVERAL: &str =
+    "the state of several materials of which one melts or conducts as its temperature";
 
 /// How a scene is put on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,15 +196,17 @@ impl GpuBackend {
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
         let curves = Curves::of(problem, Some(&order));
-        let mut place = vec![0; order.len()];
-        for (k, &particle) in (0..).zip(&order) {
-            place[particle as usize] = k;
-        }
-        let held_in = if rows.is_empty() { HeldIn::None } else { HeldIn::Rows };
-        let passes = seam_passes(problem, options, held_in);
-        let of_curves =
-            |curves| DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes);
-        let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
+        let of_curves = |curves| {
+            let mut place = vec![0; order.len()];
+            for (k, &particle) in (0..).zip(&order) {
+                place[particle as usize] = k;
+            }
+            let held_in = if rows.is_empty() { HeldIn::None } else { HeldIn::Rows };
+            let passes = seam_passes(problem, options, held_in);
+            DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes)
+        };
+        let several = curves.as_ref().filter(|_| !problem.has_one_curve());
+        let seams = several.map(of_curves).transpose()?.flatten();
         let parts = operator.parts(order.len());
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, &[])?;
         let heat = Heat { curves: curves.as_ref(), seams, fronts };
@@ -296,16 +299,22 @@ impl GpuBackend {
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
         let curves = Curves::of(problem, order);
         let parts = operator.parts(initial.len());
-        if parts.len() > 1 && !problem.has_one_curve() {
-            return Err(SolverError::NoLattice { why: CURVES_IN_PARTS });
+        let several = curves.as_ref().filter(|_| !problem.has_one_curve());
+        if several.is_some() && parts.len() > 1 {
+            let bytes = options.precision.state_bytes();
+            return Err(SolverError::Gpu(GpuError::TooLarge {
+                what: STATE_OF_SEVERAL.to_owned(),
+                needed: bytes * initial.len() as u64,
+                available: options.most_bytes(device),
+            }));
         }
-        let held_in = if held.is_empty() { HeldIn::None } else { HeldIn::Lattice };
-        let passes = seam_passes(problem, options, held_in);
         let of_curves = |curves| {
             let place: Vec<u32> = (0..problem.particles.len() as u32).map(scene.sites()).collect();
+            let held_in = if held.is_empty() { HeldIn::None } else { HeldIn::Lattice };
+            let passes = seam_passes(problem, options, held_in);
             DeviceSeams::new(device, problem, curves, &place, held, reference, passes)
         };
-        let seams = curves.as_ref().map(of_curves).transpose()?.flatten();
+        let seams = several.map(of_curves).transpose()?.flatten();
         let exceptions = operator.exceptions();
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, exceptions)?;
         let heat = Heat { curves: curves.as_ref(), seams, fronts };

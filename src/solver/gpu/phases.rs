@@ -1,7 +1,7 @@
 //! Enthalpies that potentials tell: of one material that melts at one temperature between constant conductivities.
 //!
 //! Explicit Euler steps take the potential of a solid or a liquid on by its slope times what is added to the enthalpy
-//! (`shaders/end/phases.wgsl`): so a step reads and writes one value of a particle, as without melting. Enthalpies in
+//! (`shaders/end/phases_step.wgsl`): so a step reads and writes one value of a particle, as without melting. Enthalpies in
 //! memory are up to date only where potentials are that of melting, until they are asked for.
 
 use crate::gpu::Constant;
@@ -90,7 +90,7 @@ impl Phases {
     }
 
     /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others, as in
-    /// `shaders/end/phases.wgsl`.
+    /// `shaders/end/phases_correction.wgsl`.
     pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
         let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
         let width = self.width();
