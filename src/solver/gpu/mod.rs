@@ -196,17 +196,17 @@ impl GpuBackend {
         };
         let slots = WallSlots::new(device, choices.real(), walls.into_rows(), scaling.step)?;
         let curves = Curves::of(problem, Some(&order));
-        let of_curves = |curves| {
-            let mut place = vec![0; order.len()];
-            for (k, &particle) in (0..).zip(&order) {
-                place[particle as usize] = k;
+        let seams = match several(problem, curves.as_ref()) {
+            Some(curves) => {
+                let mut place = vec![0; order.len()];
+                for (k, &particle) in (0..).zip(&order) {
+                    place[particle as usize] = k;
+                }
+                let passes = seam_passes(problem, options, &rows, HeldIn::Rows);
+                DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes)?
             }
-            let held_in = if rows.is_empty() { HeldIn::None } else { HeldIn::Rows };
-            let passes = seam_passes(problem, options, held_in);
-            DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes)
+            None => None,
         };
-        let several = curves.as_ref().filter(|_| !problem.has_one_curve());
-        let seams = several.map(of_curves).transpose()?.flatten();
         let parts = operator.parts(order.len());
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, &[])?;
         let heat = Heat { curves: curves.as_ref(), seams, fronts };
@@ -299,22 +299,22 @@ impl GpuBackend {
         let slots = WallSlots::new(device, real, walls.clone(), reference)?;
         let curves = Curves::of(problem, order);
         let parts = operator.parts(initial.len());
-        let several = curves.as_ref().filter(|_| !problem.has_one_curve());
-        if several.is_some() && parts.len() > 1 {
-            let bytes = options.precision.state_bytes();
-            return Err(SolverError::Gpu(GpuError::TooLarge {
-                what: STATE_OF_SEVERAL.to_owned(),
-                needed: bytes * initial.len() as u64,
-                available: options.most_bytes(device),
-            }));
-        }
-        let of_curves = |curves| {
-            let place: Vec<u32> = (0..problem.particles.len() as u32).map(scene.sites()).collect();
-            let held_in = if held.is_empty() { HeldIn::None } else { HeldIn::Lattice };
-            let passes = seam_passes(problem, options, held_in);
-            DeviceSeams::new(device, problem, curves, &place, held, reference, passes)
+        let seams = match several(problem, curves.as_ref()) {
+            Some(_) if parts.len() > 1 => {
+                return Err(SolverError::Gpu(GpuError::TooLarge {
+                    what: STATE_OF_SEVERAL.to_owned(),
+                    needed: options.precision.state_bytes() * initial.len() as u64,
+                    available: options.most_bytes(device),
+                }));
+            }
+            Some(curves) => {
+                let particles = 0..problem.particles.len() as u32;
+                let place: Vec<u32> = particles.map(scene.sites()).collect();
+                let passes = seam_passes(problem, options, held, HeldIn::Lattice);
+                DeviceSeams::new(device, problem, curves, &place, held, reference, passes)?
+            }
+            None => None,
         };
-        let seams = several.map(of_curves).transpose()?.flatten();
         let exceptions = operator.exceptions();
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, exceptions)?;
         let heat = Heat { curves: curves.as_ref(), seams, fronts };
@@ -409,9 +409,20 @@ fn choices(problem: &Problem, needs: Needs, options: GpuOptions) -> Choices {
     }
 }
 
-/// What the shaders where materials meet follow from.
-fn seam_passes(problem: &Problem, options: GpuOptions, held: HeldIn) -> SeamPasses {
+/// The curves, where they differ.
+fn several<'a>(problem: &Problem, curves: Option<&'a Curves>) -> Option<&'a Curves> {
+    curves.filter(|_| !problem.has_one_curve())
+}
+
+/// What the shaders where materials meet follow from, where what the `held` particles give is counted in `held_in`.
+fn seam_passes(
+    problem: &Problem,
+    options: GpuOptions,
+    held: &[u32],
+    held_in: HeldIn,
+) -> SeamPasses {
     let GpuOptions { precision, workgroup_size, .. } = options;
+    let held = if held.is_empty() { HeldIn::None } else { held_in };
     SeamPasses { precision, workgroup_size, pair_mean: problem.pair_mean, held }
 }
 
