@@ -197,16 +197,15 @@ impl HeatCurve {
             && self.melt.as_ref().is_none_or(|melt| melt.conductivity.is_constant())
     }
 
-    /// What is solid, what melts and what is liquid, each of one segment: if the conductivity is constant in each phase
-    /// and it melts at one temperature.
+    /// What is solid, what melts and what is liquid, each of one segment: if it melts and the conductivity is constant in
+    /// each phase.
     pub(crate) fn phases(&self) -> Option<[&Segment; 3]> {
         let [solid, melting, liquid] = &self.segments[..] else {
             return None;
         };
-        let phases = [solid, melting, liquid];
-        let is_straight = phases.iter().all(|segment| segment.bend == 0.0);
-        let is_sharp = melting.slope == 0.0 && melting.start < liquid.start;
-        (is_straight && is_sharp).then_some(phases)
+        let is_straight = [solid, liquid].iter().all(|phase| phase.bend == 0.0);
+        let melts = self.melting.is_some() && melting.start < liquid.start;
+        (melts && is_straight).then_some([solid, melting, liquid])
     }
 
     /// How it melts, and what it is then.

@@ -3,12 +3,14 @@
 mod aggregates;
 mod change;
 mod course;
+mod crossings;
 mod curves;
 mod enthalpy;
 mod entries;
 mod fronts;
 mod latent;
 mod lattice;
+mod mushy;
 mod operator;
 mod partial_step;
 mod rows;

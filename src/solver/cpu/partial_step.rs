@@ -6,7 +6,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::course::{Course, Crossings};
+use super::course::{Course, CourseStep};
+use super::crossings::Crossings;
 use super::enthalpy::{Begun, Enthalpy, HeatScene};
 use super::fronts::{Add, Queue};
 use super::latent::Latent;
@@ -56,7 +57,7 @@ pub(super) struct WholeStep<'a, O: ?Sized> {
     /// Places of a task.
     task: usize,
     /// How potentials go on, by course, if there are any.
-    steps: Vec<Combine>,
+    steps: Vec<CourseStep>,
     /// What the operator writes: one of these, or rates.
     written: Combine,
 }
@@ -71,9 +72,12 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         scene: &HeatScene,
     ) -> Self {
         let courses = scene.curves.courses().unwrap_or_default();
-        let steps: Vec<Combine> = courses.iter().map(|course| course.step(dt)).collect();
+        let steps: Vec<CourseStep> = courses.iter().map(|course| course.step(dt)).collect();
         // Where materials meet something is to be added to rates first, and each has a step of its own.
-        let written = if let ([one], None) = (&steps[..], &scene.seams) { *one } else { RATE };
+        let written = match (&steps[..], &scene.seams) {
+            ([one], None) => one.phases,
+            _ => RATE,
+        };
         debug_assert!(dt > 0.0, "rates are found again from what is written");
         Self { operator, now, dt, task, steps, written }
     }
@@ -250,7 +254,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         });
         changed.extend(crossings.drain(..).map(|place| {
             let (now, step) = (now[place], steps[curves.which(place)]);
-            let [rate, _] = step.rate_and_rest(now, out[place - first]);
+            let [rate, _] = step.phases.rate_and_rest(now, out[place - first]);
             (place, course(place).enthalpy(now) + dt * rate)
         }));
         let sorted = latent.places().len();

@@ -46,6 +46,9 @@ impl Phases {
     /// Those of `curve`, if its potentials tell enthalpies.
     pub(super) fn of(curve: &HeatCurve, precision: Precision) -> Option<Self> {
         let [solid, melting, liquid] = curve.phases()?;
+        if melting.slope > 0.0 {
+            return None;
+        }
         let value = |number: f64| precision.on_device(&[number])[0];
         let real = |number: f64| {
             let real = precision.real();
