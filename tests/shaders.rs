@@ -188,6 +188,7 @@ fn a_step_has_an_enthalpy_only_where_that_is_the_state() {
             let curve: &[_] = match kind {
                 CurveKind::Phases(_) => &[],
                 CurveKind::One => &["curve"],
+                CurveKind::EachPhases => &["material_phases", "curve_of"],
                 CurveKind::Each => &["curve", "curve_of", "curve_start"],
             };
             let curves = CurvePasses { precision, workgroup_size: 64, kind };

@@ -2,17 +2,25 @@
 // enthalpy is kept. A potential that is nearer to that of melting than a few roundings is taken for it, so that whoever
 // compares them finds the same.
 
-fn melting_potential() -> Value {
-    return of_words(MELTS, MELTS_REST);
+struct Phases {
+    // The potential of melting, and how near others are taken for it.
+    melts: Value,
+    width: real,
+    // d potential / d enthalpy of a solid and of a liquid.
+    slopes: vec2<real>,
+    // The enthalpies at which a solid begins to melt, and a liquid to freeze.
+    begins: Value,
+    ends: Value,
 }
 
-// d potential / d enthalpy of what is so far above melting.
-fn slope_there(above: real) -> real {
-    return select(SOLID_SLOPE, LIQUID_SLOPE, above > 0.0);
+// The slope of what is so far above melting.
+fn slope_there(phases: Phases, above: real) -> real {
+    return select(phases.slopes.x, phases.slopes.y, above > 0.0);
 }
 
 // Whether what was so far above melting, and would be after a step without it, melts, or begins or ends to. What is not
 // a number does not.
-fn leaves_phase(above: real, above_next: real) -> bool {
-    return (above <= 0.0 && above_next >= -WIDTH) || (above >= 0.0 && above_next <= WIDTH);
+fn leaves_phase(phases: Phases, above: real, above_next: real) -> bool {
+    let width = phases.width;
+    return (above <= 0.0 && above_next >= -width) || (above >= 0.0 && above_next <= width);
 }

@@ -2,17 +2,18 @@
 // what is added to its enthalpy in place of a potential.
 
 fn advance(i: u32, own: Value, increment: real) {
-    let above = collapsed(own - melting_potential());
-    let next = advanced(own, slope_there(above) * increment);
+    let phases = phases_of(i);
+    let above = collapsed(own - phases.melts);
+    let next = advanced(own, slope_there(phases, above) * increment);
     after[i] = select(next, exactly(increment), above == 0.0);
-    if leaves_phase(above, collapsed(next - melting_potential())) {
+    if leaves_phase(phases, above, collapsed(next - phases.melts)) {
         note(i);
     }
 }
 
 fn keep(i: u32, own: Value) {
     after[i] = own;
-    if collapsed(own - melting_potential()) == 0.0 {
+    if collapsed(own - phases_of(i).melts) == 0.0 {
         content_after[i] = content[i];
     }
 }

@@ -1,6 +1,6 @@
 // Where materials melt. `fronts` has two vectors for each: the enthalpies where melting begins and ends, and the
 // potential meanwhile, as the sum of two numbers; the mean distance of neighbours, in spacings. What does not
-// melt at one temperature begins after it ends.
+// melt at one temperature begins after it ends, and is below that potential.
 
 struct Front {
     begins: real,

@@ -1,10 +1,10 @@
 // Of a change of the state.
 
-fn enthalpy_at(place: u32, is_changed: bool) -> Value {
+fn local_at(place: u32, is_changed: bool) -> Local {
     if is_changed {
-        return plus(content[place], change[place]);
+        return local_of(place, plus(content[place], change[place]));
     }
-    return content[place];
+    return local_of(place, content[place]);
 }
 
 fn shortage(row: vec4<u32>) -> real {

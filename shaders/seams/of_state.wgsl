@@ -1,7 +1,7 @@
 // Of the state.
 
-fn enthalpy_at(place: u32, is_changed: bool) -> Value {
-    return content[place];
+fn local_at(place: u32, is_changed: bool) -> Local {
+    return local_of(place, content[place]);
 }
 
 fn shortage(row: vec4<u32>) -> real {

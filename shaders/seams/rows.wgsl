@@ -10,8 +10,7 @@ struct Local {
     conductivity: real,
 }
 
-fn local_at(place: u32, is_changed: bool) -> Local {
-    let enthalpy = enthalpy_at(place, is_changed);
+fn local_of(place: u32, enthalpy: Value) -> Local {
     let segment = segment_at(place, collapsed(enthalpy));
     let above = above_start(segment, enthalpy);
     let heat = thermal[segment];

@@ -197,6 +197,11 @@ impl HeatCurve {
             && self.melt.as_ref().is_none_or(|melt| melt.conductivity.is_constant())
     }
 
+    /// Whether potentials and temperatures are enthalpies, but for where they begin.
+    pub(crate) fn is_straight(&self) -> bool {
+        matches!(&self.segments[..], [Segment { warming: 1.0, slope: 1.0, bend: 0.0, .. }])
+    }
+
     /// What is solid, what melts and what is liquid, each of one segment: if it melts and the conductivity is constant in
     /// each phase.
     pub(crate) fn phases(&self) -> Option<[&Segment; 3]> {

@@ -4,7 +4,7 @@ use super::fronts::{Listed, note};
 use super::passes::{
     COMBINATION, NO_SLOT, STATE_END, STEP_SIZE, arithmetic, block, know_finite, read, value, write,
 };
-use super::phases::Phases;
+use super::phases::{Phases, roundings};
 use crate::gpu::{Binding, Constant, Element, PassSource};
 use crate::model::PairMean;
 use crate::solver::Precision;
@@ -17,14 +17,26 @@ pub enum CurveKind {
     Phases(Phases),
     /// One.
     One,
+    /// Each place that of its material, all of which are like [`Self::Phases`] or do not melt.
+    EachPhases,
     /// Each place that of its material.
     Each,
 }
 
 impl CurveKind {
     /// Every kind, as it is in a `precision`, with some phases.
-    pub fn all(precision: Precision) -> [Self; 3] {
-        [Self::Phases(Phases::some(precision)), Self::One, Self::Each]
+    pub fn all(precision: Precision) -> [Self; 4] {
+        [Self::Phases(Phases::some(precision)), Self::One, Self::EachPhases, Self::Each]
+    }
+
+    /// Whether potentials tell enthalpies but of what melts.
+    pub(super) fn is_told(self) -> bool {
+        matches!(self, Self::Phases(_) | Self::EachPhases)
+    }
+
+    /// Whether each place has the curve of its own material.
+    pub(super) fn is_each(self) -> bool {
+        matches!(self, Self::EachPhases | Self::Each)
     }
 }
 
@@ -79,7 +91,7 @@ impl CurvePasses {
     /// The same of a pass that adds to what those have written, and has the enthalpies before: where lists are `kept`,
     /// what melts is put on its own.
     pub(super) fn end_correction(self, source: &mut PassSource, kept: bool) {
-        if matches!(self.kind, CurveKind::Phases(_)) {
+        if self.kind.is_told() {
             know_finite(source);
         }
         let ends = ["end/phases_correction", "end/correction"];
@@ -98,20 +110,20 @@ impl CurvePasses {
         let slots: &[&str] = match self.kind {
             CurveKind::Phases(phases) => {
                 source.constants.extend(phases.constants());
-                &["end/phases", of_phases]
+                &["end/phases_of_one", "end/phases", of_phases]
+            }
+            CurveKind::EachPhases => {
+                know_phases(source, self.precision);
+                source.bindings.push(read("curve_of", Element::U32));
+                &["end/phases_of_each", "end/phases", of_phases]
             }
             CurveKind::One | CurveKind::Each => {
-                source.bindings.extend(curve_bindings(self.is_each()));
+                source.bindings.extend(curve_bindings(self.kind.is_each()));
                 &[self.bounds(), "curve/segments", "end/written", of_curves]
             }
         };
         source.slots.extend(slots.iter().map(|&slot| slot.to_owned()));
         note(source, noted_in);
-    }
-
-    /// Whether each place has the curve of its own material.
-    pub(super) fn is_each(self) -> bool {
-        self.kind == CurveKind::Each
     }
 
     /// Adds a vector to enthalpies, and writes the potentials that come of them.
@@ -165,14 +177,14 @@ impl CurvePasses {
 
     fn on_curve(self, pass: &'static str, states: &[Binding]) -> PassSource {
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
-        bindings.extend(curve_bindings(self.is_each()));
+        bindings.extend(curve_bindings(self.kind.is_each()));
         bindings.extend(states);
         let slots = [self.bounds(), "curve/segments"];
         source(self.precision, self.workgroup_size, pass, bindings, &slots)
     }
 
     fn bounds(self) -> &'static str {
-        if self.is_each() { "curve/each" } else { "curve/one" }
+        if self.kind.is_each() { "curve/each" } else { "curve/one" }
     }
 }
 
@@ -180,16 +192,33 @@ impl SeamPasses {
     /// Adds what the matrix is short of to a step; what melts is put on its list where lists are `kept`.
     pub fn step(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/written", "end/correction"];
-        let (slot, binding) = match self.held {
+        let (held, exchange) = self.held_of_step();
+        let mut source = self.on_rows("seams/of_state", &to, held);
+        source.bindings.push(write("content_after", value(self.precision)));
+        note(&mut source, kept.then_some(Listed::Melting));
+        source.bindings.extend(exchange);
+        source
+    }
+
+    /// The same before it is looked at what melts, where potentials tell enthalpies: what flows are to be looked for of is
+    /// put on its list.
+    pub fn step_of_told(self) -> PassSource {
+        let to = ["seams/to_step", "end/phases_of_each", "end/phases", "end/phases_addition"];
+        let (held, exchange) = self.held_of_step();
+        let mut source = self.on_rows("seams/of_told", &to, held);
+        source.bindings.push(read("state", value(self.precision)));
+        know_phases(&mut source, self.precision);
+        note(&mut source, Some(Listed::Near));
+        source.bindings.extend(exchange);
+        source
+    }
+
+    fn held_of_step(self) -> (&'static str, Option<Binding>) {
+        match self.held {
             HeldIn::None => ("seams/no_held", None),
             HeldIn::Rows => ("seams/exchange", Some(write("exchange", Element::Real2))),
             HeldIn::Lattice => ("seams/held", Some(write("held", Element::Real4))),
-        };
-        let mut source = self.on_rows("seams/of_state", &to, slot);
-        source.bindings.push(write("content_after", value(self.precision)));
-        note(&mut source, kept.then_some(Listed::Melting));
-        source.bindings.extend(binding);
-        source
+        }
     }
 
     /// The same for rates.
@@ -211,7 +240,8 @@ impl SeamPasses {
 
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
-        vec![self.step(false), self.step(true), self.rate(), self.combine(), self.change()]
+        let steps = vec![self.step(false), self.step(true), self.step_of_told()];
+        steps.into_iter().chain([self.rate(), self.combine(), self.change()]).collect()
     }
 
     /// Whether some particles keep their value.
@@ -252,6 +282,12 @@ impl SeamPasses {
 fn curve_bindings(each: bool) -> impl Iterator<Item = Binding> {
     let of_each = [read("curve_of", Element::U32), read("curve_start", Element::U32)];
     [read("curve", Element::Real4)].into_iter().chain(of_each.into_iter().filter(move |_| each))
+}
+
+/// Gives a pass the phases of each material.
+fn know_phases(source: &mut PassSource, precision: Precision) {
+    source.constants.push(("ROUNDINGS", Constant::Real(roundings(precision))));
+    source.bindings.push(read("material_phases", Element::Real4));
 }
 
 fn source(

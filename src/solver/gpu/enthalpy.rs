@@ -2,7 +2,7 @@
 
 use super::curve_passes::{CurveKind, CurvePasses};
 use super::fronts::{DeviceFronts, FrontMakes, Listed};
-use super::phases::Phases;
+use super::phases::Told;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
 use crate::model::material::Segment;
 use crate::model::{Conductivity, HeatCurve, Material, Problem};
@@ -77,7 +77,9 @@ pub(super) struct Enthalpy {
     /// The segments of the curves; where places have different ones, which each has and where these begin.
     curve: Vec<Buffer>,
     /// Where potentials tell enthalpies.
-    phases: Option<Phases>,
+    told: Option<Told>,
+    /// What they tell of each material, where there are several.
+    phases: Option<Buffer>,
 }
 
 impl Enthalpy {
@@ -105,27 +107,34 @@ impl Enthalpy {
             curve.push(device.storage_with("curves of places", bytemuck::cast_slice(of))?);
             curve.push(device.storage_with("starts of curves", bytemuck::cast_slice(&start))?);
         }
-        let (kind, phases) = match curves {
-            Curves::Each { .. } => (CurveKind::Each, None),
-            Curves::One(curve) => match Phases::of(curve, precision) {
-                None => (CurveKind::One, None),
-                Some(phases) => (CurveKind::Phases(phases), Some(phases)),
-            },
+        let told = Told::of(curves, precision);
+        let kind = match (&told, curves) {
+            (Some(told), _) => told.kind(),
+            (None, Curves::One(_)) => CurveKind::One,
+            (None, Curves::Each { .. }) => CurveKind::Each,
         };
+        let phases = told.as_ref().and_then(Told::table).map(|table| {
+            device.storage_with("phases of materials", &precision.real().to_bytes(&table))
+        });
         let passes = CurvePasses { precision, workgroup_size, kind };
-        Ok(Self { passes, parts: [filled, empty], curve, phases })
+        Ok(Self { passes, parts: [filled, empty], curve, told, phases: phases.transpose()? })
     }
 
     /// The potentials of `enthalpies`, which follow `curves`, by place, K.
     pub(super) fn potentials(&self, curves: &Curves, enthalpies: &[f64]) -> Vec<f64> {
-        match &self.phases {
-            Some(phases) => phases.potentials(&self.passes.precision.on_device(enthalpies)),
+        match &self.told {
+            Some(told) => told.potentials(&self.passes.precision.on_device(enthalpies)),
             None => curves.potentials(enthalpies),
         }
     }
 
     /// What potentials tell.
-    pub(super) fn phases(&self) -> Option<&Phases> {
+    pub(super) fn told(&self) -> Option<&Told> {
+        self.told.as_ref()
+    }
+
+    /// What they tell of each material, where there are several.
+    pub(super) fn phases(&self) -> Option<&Buffer> {
         self.phases.as_ref()
     }
 
@@ -188,7 +197,7 @@ impl Enthalpy {
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.parts.iter().flatten().chain(&self.curve).map(Buffer::bytes).sum()
+        self.parts.iter().flatten().chain(&self.curve).chain(&self.phases).map(Buffer::bytes).sum()
     }
 }
 
@@ -236,9 +245,12 @@ impl<'a> HeatFields<'a> {
 
     /// The buffers that the end of a pass of a step has, in the order of its bindings: see `CurvePasses::end`.
     fn of_end(&self, k: usize, list: Listed) -> Vec<&'a Buffer> {
-        let mut buffers = vec![&self.enthalpy.parts[1 - self.from][k]];
-        if self.enthalpy.phases.is_none() {
-            buffers.extend(&self.enthalpy.curve);
+        let Enthalpy { parts, curve, told, phases, .. } = self.enthalpy;
+        let mut buffers = vec![&parts[1 - self.from][k]];
+        match (told, phases) {
+            (None, _) => buffers.extend(curve),
+            (Some(_), None) => {}
+            (Some(_), Some(phases)) => buffers.extend([phases, &curve[1]]),
         }
         buffers.extend(self.noted_in(list).into_iter().flatten());
         buffers

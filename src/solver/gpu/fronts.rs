@@ -9,8 +9,9 @@
 
 use std::ops::Range;
 
-use super::curve_passes::{CurveKind, CurvePasses};
+use super::curve_passes::CurvePasses;
 use super::passes::{SPLIT, STATE_END, WHOLE, read, value, write};
+use super::phases::NEVER;
 use crate::gpu::{Buffer, Constant, Device, Element, GpuError, Pass, PassSource};
 use crate::model::Problem;
 use crate::model::operator::Fronts;
@@ -73,11 +74,8 @@ impl FrontMakes {
         source.bindings.push(read("fronts", Element::Real4));
         let mut slots = vec![
             "front/melting",
-            if curves.is_each() { "front/each" } else { "front/one" },
-            match curves.kind {
-                CurveKind::Phases(_) => "front/told",
-                CurveKind::One | CurveKind::Each => "front/content",
-            },
+            if curves.kind.is_each() { "front/each" } else { "front/one" },
+            if curves.kind.is_told() { "front/told" } else { "front/content" },
             if is_split { "front/split" } else { "front/whole" },
         ];
         if is_split {
@@ -96,7 +94,8 @@ impl FrontMakes {
         source.slots.extend(slots.into_iter().map(str::to_owned));
         let found = match self {
             Self::Near => {
-                source.bindings.extend(curves.is_each().then_some(read("curve_of", Element::U32)));
+                let is_each = curves.kind.is_each();
+                source.bindings.extend(is_each.then_some(read("curve_of", Element::U32)));
                 append_to(source, Listed::Near);
                 "front/listing"
             }
@@ -196,7 +195,7 @@ impl DeviceFronts {
         };
         let of_material = |material: u16| {
             let Some(front) = fronts.of_material(material) else {
-                return [1.0, 0.0, 0.0, 0.0, fronts.distance(), 0.0, 0.0, 0.0];
+                return [1.0, 0.0, NEVER, 0.0, fronts.distance(), 0.0, 0.0, 0.0];
             };
             let [potential, rest] = two_words(front.potential);
             [front.begins, front.ends, potential, rest, fronts.distance(), 0.0, 0.0, 0.0]

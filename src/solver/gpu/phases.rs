@@ -1,9 +1,12 @@
-//! Enthalpies that potentials tell: of one material that melts at one temperature between constant conductivities.
+//! Enthalpies that potentials tell: of materials that melt at one temperature between constant conductivities, or not at
+//! all.
 //!
 //! Explicit Euler steps take the potential of a solid or a liquid on by its slope times what is added to the enthalpy
 //! (`shaders/end/phases_step.wgsl`): so a step reads and writes one value of a particle, as without melting. Enthalpies in
 //! memory are up to date only where potentials are that of melting, until they are asked for.
 
+use super::curve_passes::CurveKind;
+use super::enthalpy::Curves;
 use crate::gpu::Constant;
 use crate::model::HeatCurve;
 use crate::solver::Precision;
@@ -22,7 +25,7 @@ pub struct Phases {
 }
 
 /// How near a potential is taken for that of melting, in parts of it: a few roundings of a value.
-fn roundings(precision: Precision) -> f64 {
+pub(super) fn roundings(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => f64::from(4.0 * f32::EPSILON),
         // The second word has as many bits as the first.
@@ -42,14 +45,21 @@ pub(super) enum UpToDate {
     Potentials,
 }
 
+/// The potential of melting of what does not melt, K: further above everything than any state gets.
+pub(super) const NEVER: f64 = 1e30;
+
 impl Phases {
     /// Those of `curve`, if its potentials tell enthalpies.
     pub(super) fn of(curve: &HeatCurve, precision: Precision) -> Option<Self> {
+        let value = |number: f64| precision.on_device(&[number])[0];
+        if curve.is_straight() {
+            let melts = value(NEVER);
+            return Some(Self { precision, begins: melts, ends: melts, melts, slopes: [1.0; 2] });
+        }
         let [solid, melting, liquid] = curve.phases()?;
         if melting.slope > 0.0 {
             return None;
         }
-        let value = |number: f64| precision.on_device(&[number])[0];
         let real = |number: f64| {
             let real = precision.real();
             real.from_bytes(&real.to_bytes(&[number]))[0]
@@ -87,42 +97,119 @@ impl Phases {
         .map(|(name, number)| (name, Constant::Real(number)))
     }
 
+    /// The same numbers in two vectors: see `shaders/end/phases_of_each.wgsl`.
+    fn vectors(&self) -> [f64; 8] {
+        let Self { precision, begins, ends, melts, slopes: [solid, liquid] } = *self;
+        let [[begins, begins_rest], [ends, ends_rest], [melts, melts_rest]] =
+            [begins, ends, melts].map(|number| precision.in_words(number));
+        [melts, melts_rest, solid, liquid, begins, begins_rest, ends, ends_rest]
+    }
+
     /// How near a potential is taken for that of melting, K.
     fn width(&self) -> f64 {
         roundings(self.precision) * self.melts.abs()
     }
 
-    /// The potentials of enthalpies (K), K: of what melts that of melting, and on their side of it of all others, as in
+    /// The potential of an enthalpy (K), K: of what melts that of melting, and on their side of it of all others, as in
     /// `shaders/end/phases_correction.wgsl`.
-    pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
+    fn potential(&self, enthalpy: f64) -> f64 {
         let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
+        if self.never_melts() {
+            return enthalpy;
+        }
         let width = self.width();
-        let potential = |&enthalpy: &f64| {
-            let [of_solid, of_liquid] = [solid * (enthalpy - begins), liquid * (enthalpy - ends)];
-            if of_solid < -width {
-                melts + of_solid
-            } else if of_liquid > width {
-                melts + of_liquid
-            } else if enthalpy.is_finite() {
-                melts
-            } else {
-                enthalpy
-            }
-        };
-        self.precision.on_device(&enthalpies.iter().map(potential).collect::<Vec<_>>())
+        let [of_solid, of_liquid] = [solid * (enthalpy - begins), liquid * (enthalpy - ends)];
+        if of_solid < -width {
+            melts + of_solid
+        } else if of_liquid > width {
+            melts + of_liquid
+        } else if enthalpy.is_finite() {
+            melts
+        } else {
+            enthalpy
+        }
     }
 
-    /// Brings `enthalpies` (K), of which those of what melts are up to date, to what `potentials` (K) tell. What has
-    /// not changed keeps its last digit.
-    pub(super) fn tell(&self, potentials: &[f64], enthalpies: &mut [f64]) {
+    /// The enthalpy (K) that a potential (K) tells, which is not that of melting.
+    fn enthalpy(&self, potential: f64) -> f64 {
         let Self { begins, ends, melts, slopes: [solid, liquid], .. } = *self;
-        let before = self.potentials(enthalpies);
-        for ((enthalpy, &potential), before) in enthalpies.iter_mut().zip(potentials).zip(before) {
-            if potential == melts || potential == before {
-                continue;
+        if self.never_melts() {
+            return potential;
+        }
+        let above = potential - melts;
+        if above > 0.0 { ends + above / liquid } else { begins + above / solid }
+    }
+
+    fn never_melts(&self) -> bool {
+        self.begins == self.ends
+    }
+}
+
+/// The phases of the materials of a scene.
+#[derive(Debug)]
+pub(super) enum Told {
+    /// All have these.
+    One(Phases),
+    /// By place: which of those of materials.
+    Each { of: Vec<u32>, phases: Vec<Phases> },
+}
+
+impl Told {
+    /// Those of `curves`, if all their potentials tell enthalpies.
+    pub(super) fn of(curves: &Curves, precision: Precision) -> Option<Self> {
+        match curves {
+            Curves::One(curve) => Phases::of(curve, precision).map(Self::One),
+            Curves::Each { of, curves } => {
+                let phases = curves.iter().map(|curve| Phases::of(curve, precision));
+                Some(Self::Each { of: of.clone(), phases: phases.collect::<Option<_>>()? })
             }
-            let above = potential - melts;
-            *enthalpy = if above > 0.0 { ends + above / liquid } else { begins + above / solid };
+        }
+    }
+
+    /// Which kind of curves they make.
+    pub(super) fn kind(&self) -> CurveKind {
+        match self {
+            Self::One(phases) => CurveKind::Phases(*phases),
+            Self::Each { .. } => CurveKind::EachPhases,
+        }
+    }
+
+    /// The numbers of each material, if it is not one: see `shaders/end/phases_of_each.wgsl`.
+    pub(super) fn table(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::One(_) => None,
+            Self::Each { phases, .. } => Some(phases.iter().flat_map(Phases::vectors).collect()),
+        }
+    }
+
+    fn at(&self, place: usize) -> &Phases {
+        match self {
+            Self::One(phases) => phases,
+            Self::Each { of, phases } => &phases[of[place] as usize],
+        }
+    }
+
+    fn precision(&self) -> Precision {
+        self.at(0).precision
+    }
+
+    /// The potentials of enthalpies (K) by place, K.
+    pub(super) fn potentials(&self, enthalpies: &[f64]) -> Vec<f64> {
+        let of = |(place, &enthalpy): (usize, &f64)| self.at(place).potential(enthalpy);
+        let potentials: Vec<f64> = enthalpies.iter().enumerate().map(of).collect();
+        self.precision().on_device(&potentials)
+    }
+
+    /// Brings `enthalpies` (K) by place, of which those of what melts are up to date, to what `potentials` (K) tell. What
+    /// has not changed keeps its last digit.
+    pub(super) fn tell(&self, potentials: &[f64], enthalpies: &mut [f64]) {
+        let before = self.potentials(enthalpies);
+        let places = enthalpies.iter_mut().zip(potentials).zip(before).enumerate();
+        for (place, ((enthalpy, &potential), before)) in places {
+            let phases = self.at(place);
+            if potential != phases.melts && potential != before {
+                *enthalpy = phases.enthalpy(potential);
+            }
         }
     }
 }
@@ -148,6 +235,7 @@ mod tests {
         for precision in Precision::ALL {
             let curve = curve(400.0);
             let phases = Phases::of(&curve, precision).expect("constant in each phase");
+            let phases = Told::One(phases);
             let numbers: Vec<f64> = (0..5000).map(|k| 250.03 + 0.1 * f64::from(k)).collect();
             let enthalpies = precision.on_device(&numbers);
             let potentials = phases.potentials(&enthalpies);
@@ -174,15 +262,16 @@ mod tests {
     #[test]
     fn a_potential_is_that_of_melting_or_can_be_told_from_it() {
         for precision in Precision::ALL {
-            let phases = Phases::of(&curve(400.0), precision).expect("constant in each phase");
+            let own = Phases::of(&curve(400.0), precision).expect("constant in each phase");
+            let phases = Told::One(own);
             let near =
-                [1e-20, 1e-15, 1e-13, 1e-11, 1e-6, 1e-3].map(|by| [400.0 - by, phases.ends + by]);
+                [1e-20, 1e-15, 1e-13, 1e-11, 1e-6, 1e-3].map(|by| [400.0 - by, own.ends + by]);
             let enthalpies = precision.on_device(near.as_flattened());
             let potentials = phases.potentials(&enthalpies);
             let mut told = enthalpies.clone();
             // What does not melt has changed since.
             for (told, potential) in told.iter_mut().zip(&potentials) {
-                *told = if *potential == phases.melts { *told } else { 7.0 };
+                *told = if *potential == own.melts { *told } else { 7.0 };
             }
             phases.tell(&potentials, &mut told);
             let most = 4.0 * roundings(precision);
@@ -198,5 +287,23 @@ mod tests {
     #[test]
     fn what_melts_over_a_range_has_no_phases() {
         assert!(Phases::of(&curve(420.0), Precision::F64).is_none());
+    }
+
+    #[test]
+    fn each_place_is_told_of_its_own_material() {
+        for precision in Precision::ALL {
+            let brick = HeatCurve::new(&Conductivity::constant(300.0), 2.5e6, None);
+            let curves = Curves::Each { of: vec![0, 1, 1, 0], curves: vec![curve(400.0), brick] };
+            let told = Told::of(&curves, precision).expect("constant in each phase");
+            let enthalpies = precision.on_device(&[500.1, 500.1, 350.2, 350.2]);
+            let potentials = told.potentials(&enthalpies);
+            assert_eq!(potentials[0], precision.on_device(&[400.0])[0], "it melts");
+            assert_eq!(potentials[1..3], enthalpies[1..3], "it does not");
+            let mut after = enthalpies.clone();
+            let warmer = precision.on_device(&[400.0, 510.3, 340.4, 340.4]);
+            told.tell(&warmer, &mut after);
+            assert_eq!(after[..3], [enthalpies[0], warmer[1], warmer[2]]);
+            assert!((after[3] - 340.4).abs() < 1e-4);
+        }
     }
 }

@@ -70,23 +70,32 @@ impl DeviceSeams {
         Ok(Some(Self { passes, rows: rows.len() as u64, buffers }))
     }
 
-    /// Adds to a step of enthalpies what the matrix is short of; held particles give to `exchange`.
+    /// Adds to a step of enthalpies what the matrix is short of, from potentials before it to those after it; held
+    /// particles give to `exchange`.
     pub(super) fn step(
         &self,
         device: &Device,
         step_size: &Buffer,
         heat: HeatFields<'_>,
-        after: &Buffer,
+        [before, after]: [&Buffer; 2],
         exchange: Option<&Buffer>,
     ) -> Result<Pass, GpuError> {
         let HeatFields { enthalpy, from, .. } = heat;
-        let noted = heat.noted_in(Listed::Melting);
-        let source = self.passes.step(noted.is_some());
-        let content_after = &enthalpy.parts(1 - from)[0];
-        let more = [content_after].into_iter().chain(noted.into_iter().flatten());
-        let exchange = exchange.into_iter().filter(|_| self.passes.has_held());
+        let exchange = exchange.filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
-        self.pass(device, &source, fields, more.chain(exchange))
+        let pass = |source: PassSource, own: &[&Buffer], list: Listed| {
+            let noted = heat.noted_in(list).into_iter().flatten();
+            let more = own.iter().copied().chain(noted).chain(exchange);
+            self.pass(device, &source, fields, more)
+        };
+        match enthalpy.phases() {
+            Some(phases) => pass(self.passes.step_of_told(), &[before, phases], Listed::Near),
+            None => {
+                let is_kept = heat.noted_in(Listed::Melting).is_some();
+                let content_after = &enthalpy.parts(1 - from)[0];
+                pass(self.passes.step(is_kept), &[content_after], Listed::Melting)
+            }
+        }
     }
 
     /// Adds the same to rates a reference step.

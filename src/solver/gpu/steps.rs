@@ -6,7 +6,7 @@ use super::enthalpy::{Curves, Enthalpy, HeatFields};
 use super::fronts::{DeviceFronts, FrontMakes};
 use super::operator::{Fields, Makes, Operator};
 use super::passes::{STEP_SIZE, finite, still};
-use super::phases::{Phases, UpToDate};
+use super::phases::{Told, UpToDate};
 use super::seams::{DeviceSeams, SeamFields};
 use super::walls::WallSlots;
 use crate::gpu::{Buffer, Device, GpuError, Pace, Pass};
@@ -106,11 +106,15 @@ impl Steps {
             };
             let mut passes = operator.front_passes(device, FrontMakes::Near, &fields)?;
             passes.extend(operator.passes(device, Makes::Step, &fields)?);
-            passes.extend(operator.front_passes(device, FrontMakes::Flows, &fields)?);
+            let mut corrections = operator.front_passes(device, FrontMakes::Flows, &fields)?;
             if let (Some(heat), Some(seams)) = (heat, &seams) {
-                let after = &state[1 - from][0];
-                passes.push(seams.step(device, &step_size, heat, after, exchange.as_ref())?);
+                let states = [from, 1 - from].map(|at| &state[at][0]);
+                let pass = seams.step(device, &step_size, heat, states, exchange.as_ref())?;
+                // Where potentials tell enthalpies it is looked last at what melts.
+                let at = if heat.enthalpy.told().is_some() { 0 } else { corrections.len() };
+                corrections.insert(at, pass);
             }
+            passes.extend(corrections);
             Ok::<_, GpuError>(passes)
         };
         let finite = finite(precision, operator.workgroup_size());
@@ -119,7 +123,7 @@ impl Steps {
                 device.pass(&finite, &[&step_size, part, &flag], precision.values_in(part))
             };
             // What a potential is not known of need not be infinite; what it tells is in no other place.
-            let untold = enthalpy.as_ref().filter(|enthalpy| enthalpy.phases().is_none());
+            let untold = enthalpy.as_ref().filter(|enthalpy| enthalpy.told().is_none());
             let content = untold.map_or(&state[from][..], |enthalpy| enthalpy.parts(from));
             content.iter().map(of_part).collect()
         };
@@ -196,9 +200,9 @@ impl Steps {
 
     /// Makes ready for steps.
     fn begin(&mut self, device: &Device) -> Result<(), GpuError> {
-        if let Some(phases) = self.phases() {
+        if let Some(told) = self.told() {
             if self.up_to_date == UpToDate::Enthalpies {
-                let potentials = phases.potentials(&self.read(device, self.content())?);
+                let potentials = told.potentials(&self.read(device, self.content())?);
                 self.write(device, self.state(), &potentials)?;
             }
             self.up_to_date = UpToDate::Potentials;
@@ -223,14 +227,14 @@ impl Steps {
     /// The present state by place, whatever the operator acts on.
     pub(super) fn values(&self, device: &Device) -> Result<Vec<f64>, GpuError> {
         let mut values = self.read(device, self.content())?;
-        if let (UpToDate::Potentials, Some(phases)) = (self.up_to_date, self.phases()) {
-            phases.tell(&self.read(device, self.state())?, &mut values);
+        if let (UpToDate::Potentials, Some(told)) = (self.up_to_date, self.told()) {
+            told.tell(&self.read(device, self.state())?, &mut values);
         }
         Ok(values)
     }
 
-    fn phases(&self) -> Option<&Phases> {
-        self.enthalpy.as_ref().and_then(Enthalpy::phases)
+    fn told(&self) -> Option<&Told> {
+        self.enthalpy.as_ref().and_then(Enthalpy::told)
     }
 
     /// The values of parts of a state, by place.

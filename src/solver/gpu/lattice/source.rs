@@ -95,7 +95,7 @@ impl StencilSource {
         };
         // A state in parts has one curve.
         let kinds = CurveKind::all(precision).into_iter();
-        let kinds = kinds.filter(|&kind| !self.is_split || kind != CurveKind::Each);
+        let kinds = kinds.filter(|kind| !self.is_split || !kind.is_each());
         let of_curves = kinds.flat_map(of_curves);
         all.chain(diagonals).chain(of_curves).collect()
     }
