@@ -154,6 +154,14 @@ impl Course {
         let temperature = phase.temperature + phase.warming * (potential - phase.potential);
         [temperature, potential, phase.conductivity]
     }
+
+    /// The same at an enthalpy (K) of what melts at one temperature: with the liquid k goes from one phase's to the other's.
+    #[inline]
+    pub(super) fn melting_state(&self, enthalpy: f64) -> [f64; 3] {
+        let [solid, liquid] = self.phases.each_ref().map(|phase| phase.conductivity);
+        let fraction = (enthalpy - self.begins) / (self.ends - self.begins);
+        [self.phases[1].temperature, self.melts, solid + (liquid - solid) * fraction]
+    }
 }
 
 #[cfg(test)]
@@ -203,10 +211,13 @@ pub(super) mod tests {
                 assert_eq!(course.tells(enthalpy, potential), !melts, "{enthalpy}");
                 if !melts {
                     assert!((course.enthalpy(potential) - enthalpy).abs() < 1e-9, "{enthalpy}");
-                    for (own, expected) in course.state(potential).iter().zip(curve.state(enthalpy))
-                    {
-                        assert!((own - expected).abs() < 1e-11 * expected, "{enthalpy}");
-                    }
+                }
+                let state = match melts && course.melts_at(enthalpy) {
+                    true => course.melting_state(enthalpy),
+                    false => course.state(potential),
+                };
+                for (own, expected) in state.iter().zip(curve.state(enthalpy)) {
+                    assert!((own - expected).abs() < 1e-11 * expected, "{enthalpy}");
                 }
             }
             assert!(!course.tells(500.0, f64::NAN) && !course.tells(f64::NAN, 500.0));

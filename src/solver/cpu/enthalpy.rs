@@ -253,10 +253,10 @@ impl HeatScene {
         let Some(courses) = self.curves.courses() else {
             return seams.local(row, enthalpy);
         };
-        match melts() {
-            Some(enthalpy) => seams.local(row, enthalpy),
-            None => seams.local_of(row, courses[seams.material(row)].state(potential)),
-        }
+        let course = &courses[seams.material(row)];
+        let state = melts()
+            .map_or_else(|| course.state(potential), |enthalpy| course.melting_state(enthalpy));
+        seams.local_of(row, state)
     }
 }
 
