@@ -19,6 +19,9 @@ use crate::model::wide;
 /// Values that are worked on together: parts are whole numbers of them but for the last.
 const FEW: usize = 32;
 
+/// Values of a cache line.
+const CACHE_LINE: usize = 8;
+
 /// Below this many places one thread is faster than handing out tasks for every step.
 pub(super) const SERIAL: usize = 1 << 15;
 
@@ -177,6 +180,17 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     /// The places.
     pub(super) fn places(&self) -> Range<usize> {
         self.places.clone()
+    }
+
+    /// Has the processor fetch the enthalpies that are taken on next, of so many places, while the operator writes others:
+    /// it does not foresee by itself that they are needed.
+    pub(super) fn fetch(&self, count: usize) {
+        if self.scene.curves.courses().is_none() {
+            let next = self.done..self.places.len().min(self.done + count);
+            self.enthalpies[next]
+                .chunks(CACHE_LINE)
+                .for_each(|line| wide::prefetch(&raw const line[0]));
+        }
     }
 
     /// Takes on what nothing is missing of: of the first `known` places the operator has written everything to `out`,

@@ -162,6 +162,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
             let (first, mut given) = (step.places().start, 0.0);
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
+                step.fetch(next - known);
                 let of_part = &mut out[known..next];
                 given += self.of.advance(scratch, now, first + known, of_part, combine);
                 step.take_on(out, next);
