@@ -204,22 +204,138 @@ fn steps_of_potentials_do_what_steps_of_enthalpies_do() {
     }
 }
 
+/// The bars without conductivities that change, so that potentials tell enthalpies; the left one melts too if `both` do.
+/// Steps of 5 ms.
+fn told(both: bool) -> Scene {
+    let mut case = bars(&melting(), "euler");
+    let left = &mut case["materials"]["left"];
+    left["conductivity"] = json!(3);
+    // Liquid where they meet: there a potential tells its enthalpy only to rounding.
+    let (mut hottest, mut right) = (600, "300 + 300*step(0.6-x) + 50*sin(7*x)");
+    if both {
+        left["melting_temperature"] = json!(560);
+        left["latent_heat"] = json!(60);
+        left["liquid"] = json!({ "conductivity": 5 });
+        (hottest, right) = (900, "200 + 800*y");
+    }
+    case["initial"] = json!([
+        { "value": format!("{hottest} + 50*sin(7*x)") },
+        { "value": right, "where": { "box": { "min": [0.4, 0], "max": [1, 0.2] } } }
+    ]);
+    case["time"] = json!({ "end": 2, "method": "euler", "step": 5e-3 });
+    load(&case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// By lattice in part, or by list.
+fn on_device(scene: &Scene, precision: Precision, on_lattice: bool) -> GpuBackend {
+    let (problem, Machine::Gpu { device, precision }) = (&scene.problem, on_gpu(precision)) else {
+        unreachable!()
+    };
+    if !on_lattice {
+        return GpuBackend::new(problem, 5e-3, &device, precision).expect("a backend");
+    }
+    let scene = MixedScene::of(problem).expect("a lattice in part");
+    let (_, rows) = scene.assemble(problem);
+    let options = GpuOptions::new(precision);
+    GpuBackend::mixed(problem, &scene, &rows, 5e-3, &device, options).expect("a backend")
+}
+
+/// The state after steps of 5 ms, with looks after so many of them.
+fn after(mut backend: impl Backend, looks: &[u64]) -> Vec<f64> {
+    for &count in looks {
+        backend.euler(0.0, 5e-3, count).expect("steps");
+        backend.read().expect("a field");
+    }
+    backend.read().expect("a field").as_ref().to_vec()
+}
+
+#[test]
+fn potentials_of_several_materials_go_on_alike_on_every_machine() {
+    for both in [false, true] {
+        let scene = told(both);
+        let (report, on_cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
+        let before = scene.problem.values(&scene.problem.initial).into_owned();
+        assert!(furthest(&on_cpu, &before) > 10.0, "{:?}", report.front);
+        for (precision, most, kept) in [
+            (Precision::F64, 1e-10, 1e-13),
+            (Precision::Compensated, 7e-4, 1e-7),
+            (Precision::F32, 2e-2, 1e-5),
+        ] {
+            for path in [PathWish::List, PathWish::Lattice] {
+                let (report, here) = temperatures(&scene, &on_gpu(precision), path);
+                let what = format!("{} {}, both: {both}", report.path, precision.name());
+                let (off, drift) =
+                    (furthest(&on_cpu, &here), report.conserved.relative_drift.abs());
+                assert!(off < most && drift < kept, "{what}: {off:e} K, drift {drift:e}");
+            }
+        }
+        let other = temperatures(&told(!both), &Machine::Cpu, PathWish::List).1;
+        assert!(furthest(&on_cpu, &other) > 1.0, "what the left one does is noticed");
+    }
+}
+
+#[test]
+fn what_begins_to_melt_by_what_materials_exchange_alone_is_noticed() {
+    let values = |colder: u32, on_gpu: bool| {
+        let mut case = bars(&melting(), "euler");
+        // From a liquid of the left more flows than its potential says.
+        case["materials"]["left"] = json!({
+            "conductivity": 3, "density": 1000, "heat_capacity": 2,
+            "melting_temperature": 335, "latent_heat": 100, "liquid": { "conductivity": 1 }
+        });
+        case["initial"] = json!([{ "value": format!("900 - {}*step(x-0.4)", 570 + colder) }]);
+        case["boundaries"] = json!([]);
+        case["time"] = json!({ "end": 0.05, "method": "euler", "step": 5e-3 });
+        let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
+        match on_gpu {
+            true => after(on_device(&scene, Precision::F64, false), &[10]),
+            false => after(CpuBackend::of(&scene.problem), &[10]),
+        }
+    };
+    // So much below melting the right one begins: from 22 K it gets there only with what is added.
+    for colder in [14, 18, 22, 26, 30] {
+        let off = furthest(&values(colder, false), &values(colder, true));
+        assert!(off < 1e-10, "{colder} K colder: {off:e} K");
+    }
+}
+
 #[test]
 fn a_look_between_steps_changes_nothing() {
-    let mut case = bars(&melting(), "euler");
-    case["materials"]["left"]["conductivity"] = json!(3);
-    // Liquid where they meet: there a potential tells its enthalpy only to rounding.
-    case["initial"] = json!([{ "value": "600 + 50*sin(7*x) - 300*step(x-0.6)" }]);
-    case["time"] = json!({ "end": 10, "method": "euler" });
-    let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
-    let after = |looks: &[u64]| {
-        let mut backend = CpuBackend::of(&scene.problem);
-        for &count in looks {
-            backend.euler(0.0, 5e-3, count).expect("steps");
-            backend.read().expect("a field");
+    for both in [false, true] {
+        let scene = told(both);
+        let on_cpu = |looks: &[u64]| after(CpuBackend::of(&scene.problem), looks);
+        assert_eq!(on_cpu(&[400]), on_cpu(&[1; 400]));
+        assert_ne!(on_cpu(&[400]), on_cpu(&[399]), "a step is noticed");
+        for precision in Precision::ALL {
+            for on_lattice in [false, true] {
+                let here = |looks: &[u64]| after(on_device(&scene, precision, on_lattice), looks);
+                let what = format!("{}, on a lattice: {on_lattice}", precision.name());
+                assert_eq!(here(&[60]), here(&[1; 60]), "{what}");
+                assert_ne!(here(&[60]), here(&[59]), "{what}: a step is noticed");
+            }
         }
-        backend.read().expect("a field")
-    };
-    assert_eq!(after(&[400]), after(&[1; 400]));
-    assert_ne!(after(&[400]), after(&[399]), "a step is noticed");
+    }
+}
+
+#[test]
+fn what_was_saved_on_a_gpu_goes_on_as_if_nothing_had_been_between() {
+    let scene = told(true);
+    for precision in Precision::ALL {
+        for on_lattice in [false, true] {
+            let mut backend = on_device(&scene, precision, on_lattice);
+            backend.euler(0.0, 5e-3, 20).expect("steps");
+            backend.save().expect("a copy");
+            backend.euler(0.0, 5e-3, 20).expect("steps");
+            let expected = backend.read().expect("a field");
+            backend.restore().expect("what was saved");
+            // A step that is far too long loses it.
+            backend.euler(0.0, 1e4, 60).expect("steps");
+            assert!(!backend.is_finite().expect("a look"), "{}", precision.name());
+            backend.restore().expect("what was saved");
+            backend.euler(0.0, 5e-3, 20).expect("steps");
+            let what = format!("{}, on a lattice: {on_lattice}", precision.name());
+            assert_eq!(backend.read().expect("a field"), expected, "{what}");
+            assert!(backend.is_finite().expect("a look"), "{what}");
+        }
+    }
 }
