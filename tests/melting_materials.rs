@@ -180,8 +180,10 @@ fn several_materials_that_melt_have_a_state_in_one_part() {
 
 #[test]
 fn steps_of_potentials_do_what_steps_of_enthalpies_do() {
-    let temperatures_with = |left: &Value, path| {
-        let mut case = bars(&melting(), "euler");
+    let temperatures_with = |left: &Value, melts_at: &Value, path| {
+        let mut right = melting();
+        right["melting_temperature"] = melts_at.clone();
+        let mut case = bars(&right, "euler");
         case["materials"]["left"]["conductivity"] = left.clone();
         case["initial"] = json!([{ "value": "300 + 300*step(0.4-x)" }]);
         case["time"] = json!({ "end": 10, "method": "euler" });
@@ -194,20 +196,27 @@ fn steps_of_potentials_do_what_steps_of_enthalpies_do() {
     };
     // A conductivity that changes has no potentials that tell enthalpies.
     let table = json!([[300, 3], [400, 3.0 + 1e-9]]);
-    for path in [PathWish::List, PathWish::Lattice] {
-        let by_potentials = temperatures_with(&json!(3), path);
-        let by_enthalpies = temperatures_with(&table, path);
-        let off = furthest(&by_potentials, &by_enthalpies);
-        assert!(off < 1e-5, "{path:?}: {off:e}");
-        let other = furthest(&by_potentials, &temperatures_with(&json!(3.1), path));
-        assert!(other > 0.1, "another conductivity is noticed: {other:e}");
+    for (melts_at, another) in [(json!(330), json!(331)), (json!([320, 345]), json!([320, 347]))] {
+        for path in [PathWish::List, PathWish::Lattice] {
+            let by_potentials = temperatures_with(&json!(3), &melts_at, path);
+            let by_enthalpies = temperatures_with(&table, &melts_at, path);
+            let off = furthest(&by_potentials, &by_enthalpies);
+            assert!(off < 1e-5, "{melts_at}, {path:?}: {off:e}");
+            let other = furthest(&by_potentials, &temperatures_with(&json!(3), &another, path));
+            assert!(other > 0.1, "where it melts is noticed: {other:e}");
+        }
     }
 }
 
-/// The bars without conductivities that change, so that potentials tell enthalpies; the left one melts too if `both` do.
-/// Steps of 5 ms.
+/// The bars without conductivities that change, so that potentials tell enthalpies; the left one melts too if `both`
+/// do. Steps of 5 ms.
 fn told(both: bool) -> Scene {
-    let mut case = bars(&melting(), "euler");
+    told_of(melting(), both)
+}
+
+/// The same with this as the right bar.
+fn told_of(right: Value, both: bool) -> Scene {
+    let mut case = bars(&right, "euler");
     let left = &mut case["materials"]["left"];
     left["conductivity"] = json!(3);
     // Liquid where they meet: there a potential tells its enthalpy only to rounding.
@@ -245,6 +254,8 @@ fn after(mut backend: impl Backend, looks: &[u64]) -> Vec<f64> {
     for &count in looks {
         backend.euler(0.0, 5e-3, count).expect("steps");
         backend.read().expect("a field");
+        // This one needs all enthalpies in memory.
+        backend.largest_value().expect("a number");
     }
     backend.read().expect("a field").as_ref().to_vec()
 }
@@ -255,7 +266,8 @@ fn potentials_of_several_materials_go_on_alike_on_every_machine() {
         let scene = told(both);
         let (report, on_cpu) = temperatures(&scene, &Machine::Cpu, PathWish::List);
         let before = scene.problem.values(&scene.problem.initial).into_owned();
-        assert!(furthest(&on_cpu, &before) > 10.0, "{:?}", report.front);
+        assert!(furthest(&on_cpu, &before) > 10.0, "it changes");
+        assert!(report.front.expect("it melts").liquid_volume > 1e-3, "both: {both}");
         for (precision, most, kept) in [
             (Precision::F64, 1e-10, 1e-13),
             (Precision::Compensated, 7e-4, 1e-7),
@@ -276,7 +288,7 @@ fn potentials_of_several_materials_go_on_alike_on_every_machine() {
 
 #[test]
 fn what_begins_to_melt_by_what_materials_exchange_alone_is_noticed() {
-    let values = |colder: u32, on_gpu: bool| {
+    let values = |colder: u32, on_lattice: Option<bool>| {
         let mut case = bars(&melting(), "euler");
         // From a liquid of the left more flows than its potential says.
         case["materials"]["left"] = json!({
@@ -287,15 +299,20 @@ fn what_begins_to_melt_by_what_materials_exchange_alone_is_noticed() {
         case["boundaries"] = json!([]);
         case["time"] = json!({ "end": 0.05, "method": "euler", "step": 5e-3 });
         let scene = load(&case).unwrap_or_else(|error| panic!("{error}"));
-        match on_gpu {
-            true => after(on_device(&scene, Precision::F64, false), &[10]),
-            false => after(CpuBackend::of(&scene.problem), &[10]),
+        match on_lattice {
+            None => after(CpuBackend::of(&scene.problem), &[10]),
+            Some(is_so) => after(on_device(&scene, Precision::F64, is_so), &[10]),
         }
     };
     // So much below melting the right one begins: from 22 K it gets there only with what is added.
     for colder in [14, 18, 22, 26, 30] {
-        let off = furthest(&values(colder, false), &values(colder, true));
-        assert!(off < 1e-10, "{colder} K colder: {off:e} K");
+        let on_cpu = values(colder, None);
+        // The enthalpies of the right bar's melting are above 330 K.
+        assert!(on_cpu.iter().any(|&enthalpy| 330.0 < enthalpy && enthalpy < 430.0), "it melts");
+        for on_lattice in [false, true] {
+            let off = furthest(&on_cpu, &values(colder, Some(on_lattice)));
+            assert!(off < 1e-10, "{colder} K colder, on a lattice: {on_lattice}: {off:e} K");
+        }
     }
 }
 
@@ -306,6 +323,13 @@ fn a_look_between_steps_changes_nothing() {
         let on_cpu = |looks: &[u64]| after(CpuBackend::of(&scene.problem), looks);
         assert_eq!(on_cpu(&[400]), on_cpu(&[1; 400]));
         assert_ne!(on_cpu(&[400]), on_cpu(&[399]), "a step is noticed");
+        let mut between = melting();
+        between["melting_temperature"] = json!([320, 345]);
+        let scene = told_of(between, both);
+        let on_cpu = |looks: &[u64]| after(CpuBackend::of(&scene.problem), looks);
+        let off = furthest(&on_cpu(&[400]), &on_cpu(&[1; 400]));
+        assert!(off < 1e-10, "a look finds enthalpies to rounding: {off:e}");
+        assert!(furthest(&on_cpu(&[400]), &on_cpu(&[399])) > 1e-4, "a step is noticed");
         for precision in Precision::ALL {
             for on_lattice in [false, true] {
                 let here = |looks: &[u64]| after(on_device(&scene, precision, on_lattice), looks);
@@ -314,6 +338,25 @@ fn a_look_between_steps_changes_nothing() {
                 assert_ne!(here(&[60]), here(&[59]), "{what}: a step is noticed");
             }
         }
+    }
+}
+
+#[test]
+fn rates_after_steps_on_a_gpu_are_those_of_the_state() {
+    let scene = told(true);
+    let mut on_cpu = CpuBackend::of(&scene.problem);
+    for on_lattice in [false, true] {
+        let mut here = on_device(&scene, Precision::F64, on_lattice);
+        // An odd number: enthalpies of what has never melted were not written in that of the two places.
+        here.euler(0.0, 5e-3, 7).expect("steps");
+        let rates = here.rate(0.0).expect("rates").as_ref().to_vec();
+        if !on_lattice {
+            on_cpu.euler(0.0, 5e-3, 7).expect("steps");
+        }
+        let expected = on_cpu.rate(0.0).expect("rates").as_ref().to_vec();
+        let largest = expected.iter().fold(0.0, |m: f64, rate| m.max(rate.abs()));
+        let off = furthest(&expected, &rates) / largest;
+        assert!(off < 1e-10, "on a lattice: {on_lattice}: {off:e}");
     }
 }
 

@@ -197,9 +197,13 @@ impl HeatCurve {
             && self.melt.as_ref().is_none_or(|melt| melt.conductivity.is_constant())
     }
 
-    /// Whether potentials and temperatures are enthalpies, but for where they begin.
+    /// Whether enthalpy, temperature and potential are one.
     pub(crate) fn is_straight(&self) -> bool {
-        matches!(&self.segments[..], [Segment { warming: 1.0, slope: 1.0, bend: 0.0, .. }])
+        let is_one = |segment: &Segment| {
+            let Segment { start, temperature, warming, potential, slope, bend } = *segment;
+            [temperature, potential] == [start; 2] && [warming, slope, bend] == [1.0, 1.0, 0.0]
+        };
+        self.segments.len() == 1 && is_one(&self.segments[0])
     }
 
     /// What is solid, what melts and what is liquid, each of one segment: if it melts and the conductivity is constant in

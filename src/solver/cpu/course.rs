@@ -112,7 +112,8 @@ impl Course {
         }
     }
 
-    /// Whether what has been melting at one temperature, with this potential, still does with a new enthalpy: its potential stays as it is.
+    /// Whether what has been melting at one temperature, with this potential, still does with a new enthalpy: its
+    /// potential stays as it is.
     #[inline]
     pub(super) fn goes_on_melting(&self, potential: f64, enthalpy: f64) -> bool {
         potential == self.melts && self.melts_at(enthalpy)
@@ -155,7 +156,8 @@ impl Course {
         [temperature, potential, phase.conductivity]
     }
 
-    /// The same at an enthalpy (K) of what melts at one temperature: with the liquid k goes from one phase's to the other's.
+    /// The same at an enthalpy (K) of what melts at one temperature: with the liquid k goes from one phase's to the
+    /// other's.
     #[inline]
     pub(super) fn melting_state(&self, enthalpy: f64) -> [f64; 3] {
         let [solid, liquid] = self.phases.each_ref().map(|phase| phase.conductivity);
@@ -256,7 +258,7 @@ pub(super) mod tests {
             assert!(Course::of(&material(&rising, Some(&melting))).is_none());
             assert!(Course::of(&material(&constant, Some(&melting))).is_some());
         }
-        // 1 K of 201 K of enthalpy; where the liquid conducts 100 W/(m K) the slope falls below that of the limit.
+        // 3 K take 203 K of enthalpy; where the liquid conducts a third, the slope falls below the limit.
         for (liquidus, conductivity, has) in [(403.0, 300.0, true), (403.0, 100.0, false)] {
             let melting = melting(liquidus, conductivity);
             assert_eq!(Course::of(&material(&constant, Some(&melting))).is_some(), has);

@@ -124,20 +124,18 @@ impl Look for Combine {
             *out = next;
         }
         if any >> 63 != 0 {
-            find(self, now, out, found, first);
+            let passes =
+                |(now, next): (&f64, &f64)| self.room(*now).to_bits() ^ self.room(*next).to_bits();
+            find(now.iter().zip(&*out).map(passes), found, first);
         }
     }
 }
 
-/// Finds those of a few that do: rarely needed.
+/// Finds those of a few, from place `first` on, of which bits of signs say that they do: rarely needed.
 #[cold]
 #[inline(never)]
-fn find(step: Combine, now: &[f64], next: &[f64], found: &mut Vec<usize>, first: usize) {
-    for ((&now, &next), place) in now.iter().zip(next).zip(first..) {
-        if step.room(now).is_sign_negative() != step.room(next).is_sign_negative() {
-            found.push(place);
-        }
-    }
+pub(super) fn find(bits: impl Iterator<Item = u64>, found: &mut Vec<usize>, first: usize) {
+    found.extend((first..).zip(bits).filter(|(_, bits)| bits >> 63 != 0).map(|(place, _)| place));
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::model::operator::{Local, Seams, within};
 
 /// The state of a scene with curves, by place.
 ///
-/// Where the potential of a particle tells its enthalpy unless it melts, Euler's steps take potentials on and know
+/// Where the potential of a particle tells its enthalpy unless it melts at one temperature, Euler's steps take potentials on and know
 /// the enthalpies of [`Latent`] particles only: what such steps have left is to be [settled](Self::settle) before
 /// anything else reads or changes the state.
 pub(super) struct Enthalpy {
@@ -30,7 +30,7 @@ pub(super) struct Enthalpy {
 /// What Euler's steps know of a state beside its potentials.
 #[derive(Default)]
 pub(super) struct Begun {
-    /// Those that melt.
+    /// Those that melt at one temperature.
     pub(super) latent: Latent,
     /// What the particles of seams are like, by their rows, and what they are like after a step.
     pub(super) at_seams: [Vec<Local>; 2],

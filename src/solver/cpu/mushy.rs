@@ -4,7 +4,7 @@
 //! is psi_0 + s x + b x^2. Where it is psi its slope is g = sqrt(s^2 + 4 b (psi - psi_0)), and a change delta of the
 //! enthalpy takes it to psi + delta (g + b delta): to what the curve has there, without a look at the enthalpy.
 
-use super::crossings::Look;
+use super::crossings::{Look, find};
 use super::operator::Combine;
 use crate::model::material::Segment;
 use crate::model::wide::{choose, multiply_add};
@@ -139,15 +139,6 @@ fn between<const FUSED: bool, const RATES: bool, const COUNT: usize>(
         next[x] = choose(passes[x] >> 63 != 0, next[x], after);
     }
     if any >> 63 != 0 {
-        find(&passes, found, first);
+        find(passes.into_iter(), found, first);
     }
-}
-
-/// Finds those of a few that do: rarely needed.
-#[cold]
-#[inline(never)]
-fn find(passes: &[u64], found: &mut Vec<usize>, first: usize) {
-    found.extend(
-        (first..).zip(passes).filter(|(_, passes)| **passes >> 63 != 0).map(|(place, _)| place),
-    );
 }

@@ -45,7 +45,7 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     latent: Latent,
     given: f64,
     /// Of [`Self::go_on`] alone: places whose potentials are to be found from their enthalpies, with these, and those
-    /// that pass the melting point.
+    /// that pass to another phase.
     changed: Vec<(usize, f64)>,
     crossings: Vec<usize>,
 }
@@ -244,8 +244,8 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         }
     }
 
-    /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts or passes
-    /// the melting point.
+    /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts at one
+    /// temperature or passes to another phase.
     fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
         let Self { all, scene, before, melting, latent, changed, crossings, .. } = self;
         let WholeStep { operator, now, dt, ref steps, written, .. } = **all;

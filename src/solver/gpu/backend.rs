@@ -27,6 +27,7 @@ impl Backend for GpuBackend {
     }
 
     fn rate(&mut self, time: f64) -> Result<GpuField, SolverError> {
+        self.steps.settle(&self.device)?;
         let rate = self.steps.rate(&self.device, &self.operator, time)?;
         let mut rate = self.steps.read(&self.device, rate)?;
         rate.iter_mut().for_each(|rate| *rate /= self.reference_step);

@@ -200,15 +200,15 @@ impl SeamPasses {
         source
     }
 
-    /// The same before it is looked at what melts, where potentials tell enthalpies: what flows are to be looked for of is
-    /// put on its list.
-    pub fn step_of_told(self) -> PassSource {
+    /// The same before it is looked at what melts, where potentials tell enthalpies: where lists are `kept`, what flows are
+    /// to be looked for of is put on its own.
+    pub fn step_of_told(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/phases_of_each", "end/phases", "end/phases_addition"];
         let (held, exchange) = self.held_of_step();
         let mut source = self.on_rows("seams/of_told", &to, held);
         source.bindings.push(read("state", value(self.precision)));
         know_phases(&mut source, self.precision);
-        note(&mut source, Some(Listed::Near));
+        note(&mut source, kept.then_some(Listed::Near));
         source.bindings.extend(exchange);
         source
     }
@@ -240,8 +240,9 @@ impl SeamPasses {
 
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
-        let steps = vec![self.step(false), self.step(true), self.step_of_told()];
-        steps.into_iter().chain([self.rate(), self.combine(), self.change()]).collect()
+        let steps = [false, true].map(|kept| [self.step(kept), self.step_of_told(kept)]);
+        let others = [self.rate(), self.combine(), self.change()];
+        steps.into_iter().flatten().chain(others).collect()
     }
 
     /// Whether some particles keep their value.

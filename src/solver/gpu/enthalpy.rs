@@ -79,7 +79,7 @@ pub(super) struct Enthalpy {
     /// Where potentials tell enthalpies.
     told: Option<Told>,
     /// What they tell of each material, where there are several.
-    phases: Option<Buffer>,
+    phase_table: Option<Buffer>,
 }
 
 impl Enthalpy {
@@ -113,11 +113,12 @@ impl Enthalpy {
             (None, Curves::One(_)) => CurveKind::One,
             (None, Curves::Each { .. }) => CurveKind::Each,
         };
-        let phases = told.as_ref().and_then(Told::table).map(|table| {
+        let phase_table = told.as_ref().and_then(Told::table).map(|table| {
             device.storage_with("phases of materials", &precision.real().to_bytes(&table))
         });
         let passes = CurvePasses { precision, workgroup_size, kind };
-        Ok(Self { passes, parts: [filled, empty], curve, told, phases: phases.transpose()? })
+        let phase_table = phase_table.transpose()?;
+        Ok(Self { passes, parts: [filled, empty], curve, told, phase_table })
     }
 
     /// The potentials of `enthalpies`, which follow `curves`, by place, K.
@@ -134,8 +135,8 @@ impl Enthalpy {
     }
 
     /// What they tell of each material, where there are several.
-    pub(super) fn phases(&self) -> Option<&Buffer> {
-        self.phases.as_ref()
+    pub(super) fn phase_table(&self) -> Option<&Buffer> {
+        self.phase_table.as_ref()
     }
 
     /// The passes that there are on its curves.
@@ -197,7 +198,13 @@ impl Enthalpy {
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.parts.iter().flatten().chain(&self.curve).chain(&self.phases).map(Buffer::bytes).sum()
+        self.parts
+            .iter()
+            .flatten()
+            .chain(&self.curve)
+            .chain(&self.phase_table)
+            .map(Buffer::bytes)
+            .sum()
     }
 }
 
@@ -245,9 +252,9 @@ impl<'a> HeatFields<'a> {
 
     /// The buffers that the end of a pass of a step has, in the order of its bindings: see `CurvePasses::end`.
     fn of_end(&self, k: usize, list: Listed) -> Vec<&'a Buffer> {
-        let Enthalpy { parts, curve, told, phases, .. } = self.enthalpy;
+        let Enthalpy { parts, curve, told, phase_table, .. } = self.enthalpy;
         let mut buffers = vec![&parts[1 - self.from][k]];
-        match (told, phases) {
+        match (told, phase_table) {
             (None, _) => buffers.extend(curve),
             (Some(_), None) => {}
             (Some(_), Some(phases)) => buffers.extend([phases, &curve[1]]),

@@ -57,7 +57,7 @@ impl Phases {
             return Some(Self { precision, begins: melts, ends: melts, melts, slopes: [1.0; 2] });
         }
         let [solid, melting, liquid] = curve.phases()?;
-        if melting.slope > 0.0 {
+        if melting.slope != 0.0 {
             return None;
         }
         let real = |number: f64| {
@@ -80,9 +80,8 @@ impl Phases {
 
     /// These numbers in shaders. As constants they cost a step nothing.
     pub(super) fn constants(&self) -> [(&'static str, Constant); 9] {
-        let Self { precision, begins, ends, melts, slopes: [solid, liquid] } = *self;
-        let [[begins, begins_rest], [ends, ends_rest], [melts, melts_rest]] =
-            [begins, ends, melts].map(|number| precision.in_words(number));
+        let [melts, melts_rest, solid, liquid, begins, begins_rest, ends, ends_rest] =
+            self.numbers();
         [
             ("BEGINS", begins),
             ("BEGINS_REST", begins_rest),
@@ -97,8 +96,8 @@ impl Phases {
         .map(|(name, number)| (name, Constant::Real(number)))
     }
 
-    /// The same numbers in two vectors: see `shaders/end/phases_of_each.wgsl`.
-    fn vectors(&self) -> [f64; 8] {
+    /// As they are in two vectors: see `shaders/end/phases_of_each.wgsl`.
+    fn numbers(&self) -> [f64; 8] {
         let Self { precision, begins, ends, melts, slopes: [solid, liquid] } = *self;
         let [[begins, begins_rest], [ends, ends_rest], [melts, melts_rest]] =
             [begins, ends, melts].map(|number| precision.in_words(number));
@@ -141,7 +140,7 @@ impl Phases {
     }
 
     fn never_melts(&self) -> bool {
-        self.begins == self.ends
+        self.melts > 0.5 * NEVER
     }
 }
 
@@ -178,7 +177,7 @@ impl Told {
     pub(super) fn table(&self) -> Option<Vec<f64>> {
         match self {
             Self::One(_) => None,
-            Self::Each { phases, .. } => Some(phases.iter().flat_map(Phases::vectors).collect()),
+            Self::Each { phases, .. } => Some(phases.iter().flat_map(Phases::numbers).collect()),
         }
     }
 

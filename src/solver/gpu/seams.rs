@@ -83,19 +83,18 @@ impl DeviceSeams {
         let HeatFields { enthalpy, from, .. } = heat;
         let exchange = exchange.filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
-        let pass = |source: PassSource, own: &[&Buffer], list: Listed| {
-            let noted = heat.noted_in(list).into_iter().flatten();
-            let more = own.iter().copied().chain(noted).chain(exchange);
-            self.pass(device, &source, fields, more)
+        let content_after = &enthalpy.parts(1 - from)[0];
+        let (own, list) = match enthalpy.phase_table() {
+            Some(phases) => (vec![before, phases], Listed::Near),
+            None => (vec![content_after], Listed::Melting),
         };
-        match enthalpy.phases() {
-            Some(phases) => pass(self.passes.step_of_told(), &[before, phases], Listed::Near),
-            None => {
-                let is_kept = heat.noted_in(Listed::Melting).is_some();
-                let content_after = &enthalpy.parts(1 - from)[0];
-                pass(self.passes.step(is_kept), &[content_after], Listed::Melting)
-            }
-        }
+        let noted = heat.noted_in(list);
+        let source = match list {
+            Listed::Near => self.passes.step_of_told(noted.is_some()),
+            Listed::Melting => self.passes.step(noted.is_some()),
+        };
+        let more = own.into_iter().chain(noted.into_iter().flatten()).chain(exchange);
+        self.pass(device, &source, fields, more)
     }
 
     /// Adds the same to rates a reference step.
