@@ -69,7 +69,7 @@ fn precision(name: &str) -> Result<Precision, String> {
 }
 
 /// Steps that are taken before the first round.
-const STEPS_BEFORE: u64 = 100;
+const STEPS_BEFORE: u64 = 400;
 
 /// Scenes that are compared with the first.
 struct Group {
