@@ -56,6 +56,9 @@ pub fn choose(first: bool, one: f64, other: f64) -> f64 {
     f64::from_bits((mask & one.to_bits()) | (!mask & other.to_bits()))
 }
 
+/// Values of a line of a cache.
+pub const CACHE_LINE: usize = 8;
+
 /// Has the processor fetch the line at `address` for a read to come; where nothing lies there, nothing
 /// happens.
 #[inline(always)]

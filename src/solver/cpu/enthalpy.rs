@@ -15,9 +15,9 @@ use crate::model::operator::{Local, Seams, within};
 
 /// The state of a scene with curves, by place.
 ///
-/// Where the potential of a particle tells its enthalpy unless it melts at one temperature, Euler's steps take potentials on and know
-/// the enthalpies of [`Latent`] particles only: what such steps have left is to be [settled](Self::settle) before
-/// anything else reads or changes the state.
+/// Where the potential of a particle tells its enthalpy unless it melts at one temperature, Euler's steps take
+/// potentials on and know the enthalpies of [`Latent`] particles only: what such steps have left is to be
+/// [settled](Self::settle) before anything else reads or changes the state.
 pub(super) struct Enthalpy {
     values: Vec<f64>,
     /// From the first of Euler's steps on until the state is settled.

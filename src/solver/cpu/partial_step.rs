@@ -14,13 +14,10 @@ use super::latent::Latent;
 use super::operator::{Combine, CpuOperator, RATE};
 use super::seam_step::SeamStep;
 use crate::model::operator::{take_below, within, within_near};
-use crate::model::wide;
+use crate::model::wide::{self, CACHE_LINE};
 
 /// Values that are worked on together: parts are whole numbers of them but for the last.
 const FEW: usize = 32;
-
-/// Values of a cache line.
-const CACHE_LINE: usize = 8;
 
 /// Below this many places one thread is faster than handing out tasks for every step.
 pub(super) const SERIAL: usize = 1 << 15;

@@ -2,8 +2,9 @@
 //!
 //! Little melts, and flows change only there and beside it. So places are in tiles of [`TILE`] that follow each
 //! other, and a step goes through lists of tiles, whose lengths only the device knows: before it through those where
-//! anything melts, to list these and those of their neighbours. The step lists those too where anything melts after it, or
-//! ends to, and so does what is added to it where materials meet, if that comes before. Then flows are looked for in all of these, and what melts is listed for the next step.
+//! anything melts, to list these and those of their neighbours. The step lists those too where anything melts after
+//! it, or ends to, and so does what is added to it where materials meet, if that comes before. Then flows are looked
+//! for in all of these, and what melts is listed for the next step.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 

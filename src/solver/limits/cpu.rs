@@ -9,20 +9,17 @@ use rayon::prelude::*;
 use super::Limits;
 #[cfg(target_arch = "x86_64")]
 use crate::model::wide::has_wide_vectors;
-use crate::model::wide::{self, Work, prefetch};
+use crate::model::wide::{self, CACHE_LINE, Work, prefetch};
 use crate::solver::Timing;
 
 /// The largest array that is copied, bytes: far more than any cache holds.
 const MOST_COPIED: u64 = 512 << 20;
 
-/// Values of a line of a cache.
-const LINE: usize = 8;
-
 /// Places that a thread reads from side by side.
 const STREAMS: usize = 4;
 
 /// Lines ahead of the one at hand that are fetched: a page, as rows of a matrix do.
-const AHEAD: usize = 64 * LINE;
+const AHEAD: usize = 64 * CACHE_LINE;
 
 /// Chains that a thread works on where vectors are wide: enough for every unit to have one to go on
 /// with, and as many as registers hold.
@@ -107,12 +104,12 @@ impl Work for Sum<'_> {
     /// From several places at a time, which is faster than from one.
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
-        let part = self.0.len() / STREAMS / LINE * LINE;
+        let part = self.0.len() / STREAMS / CACHE_LINE * CACHE_LINE;
         let (parts, rest) = self.0.split_at(STREAMS * part);
-        let mut sums = [[0.0; LINE]; STREAMS];
-        for first in (0..part).step_by(LINE) {
+        let mut sums = [[0.0; CACHE_LINE]; STREAMS];
+        for first in (0..part).step_by(CACHE_LINE) {
             for (stream, sums) in sums.iter_mut().enumerate() {
-                let line = &parts[stream * part + first..][..LINE];
+                let line = &parts[stream * part + first..][..CACHE_LINE];
                 prefetch(line.as_ptr().wrapping_add(AHEAD));
                 sums.iter_mut().zip(line).for_each(|(sum, value)| *sum += value);
             }
