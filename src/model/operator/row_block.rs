@@ -64,6 +64,19 @@ impl RowBlock {
         self.weight.extend(&other.weight);
     }
 
+    /// Keeps some of its rows.
+    pub(super) fn retain(&mut self, keep: &[bool]) {
+        let mut kept = Self::default();
+        for (row, _) in keep.iter().enumerate().filter(|(_, keep)| **keep) {
+            let (index, weight) = self.entries(row);
+            kept.index.extend(index);
+            kept.weight.extend(weight);
+            kept.end_row();
+        }
+        kept.shrink();
+        *self = kept;
+    }
+
     pub(super) fn shrink(&mut self) {
         self.index.shrink_to_fit();
         self.weight.shrink_to_fit();

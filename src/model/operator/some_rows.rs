@@ -115,6 +115,44 @@ impl SomeRows {
         })
     }
 
+    /// Into how many blocks the rows are divided.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Rank, neighbours and their weights (1/s) of those rows of a block that are of free particles, and to which neither
+    /// walls nor sources add anything.
+    pub fn plain_rows(&self, block: usize) -> impl Iterator<Item = (u32, &[u32], &[f64])> {
+        let (first, rows) = (self.first[block], self.blocks[block].rows());
+        let ranks = self.rank[first..].iter().zip(&self.wall_row[first..]);
+        let plain =
+            rows.zip(ranks).filter(|((free, _), (_, wall))| !free.is_empty() && **wall == NONE);
+        plain.map(|((others, weights), (&rank, _))| (rank, others, weights))
+    }
+
+    /// Takes the rows of some ranks out, which ascend and have rows.
+    pub fn remove(&mut self, ranks: &[u32]) {
+        let mut gone = ranks.iter().peekable();
+        let keep: Vec<bool> =
+            self.rank.iter().map(|rank| gone.next_if_eq(&rank).is_none()).collect();
+        let (blocks, first) = (std::mem::take(&mut self.blocks), std::mem::take(&mut self.first));
+        let mut count = 0;
+        for (mut block, first) in blocks.into_iter().zip(first) {
+            block.retain(&keep[first..first + block.len()]);
+            if block.len() > 0 {
+                self.first.push(count);
+                count += block.len();
+                self.blocks.push(block);
+            }
+        }
+        let mut kept = keep.iter();
+        self.rank.retain(|_| *kept.next().expect("one for each row"));
+        let mut kept = keep.iter();
+        self.wall_row.retain(|_| *kept.next().expect("one for each row"));
+        self.rank.shrink_to_fit();
+        self.wall_row.shrink_to_fit();
+    }
+
     /// The neighbours of a stored row and their weights, 1/s, none of a held particle; `None` of a rank that has
     /// no row. It is looked for from row `near` on, which becomes the first that is not below the rank.
     pub fn entries_of(&self, rank: usize, near: &mut usize) -> Option<(&[u32], &[f64])> {

@@ -1,5 +1,7 @@
 //! The neighbours of a particle, as operators have them.
 
+use crate::model::wide::multiply_add;
+
 /// Places of a line.
 pub(super) const LANES: usize = 4;
 
@@ -49,32 +51,58 @@ impl Lines {
         self.ahead.iter().zip(&self.weights)
     }
 
-    /// Whether all that the lines of the particle in a place go over has its value.
+    /// sum_b w_ab (C_b - C_a) of the particle in a place, of a constant field exactly 0; all that the lines go over has
+    /// a value.
     #[inline(always)]
-    pub(super) fn are_all<T: Copy + PartialEq>(&self, place: usize, values: &[T]) -> bool {
+    pub(super) fn rate<const FUSED: bool>(&self, place: usize, values: &[f64]) -> f64 {
         let (start, own) = (self.start(place), values[place]);
-        self.ahead.iter().all(|ahead| {
-            let line = values.get(start + ahead..start + ahead + LANES);
-            line.is_some_and(|line| line.iter().fold(true, |all, value| all & (*value == own)))
-        })
+        let (around, mut sum) = (&values[start..start + self.span()], [0.0; LANES]);
+        for (&ahead, weights) in self.all() {
+            let line: &[f64; LANES] =
+                around[ahead..ahead + LANES].try_into().expect("a line's length");
+            for x in 0..LANES {
+                sum[x] = multiply_add::<FUSED>(weights[x], line[x] - own, sum[x]);
+            }
+        }
+        (sum[0] + sum[1]) + (sum[2] + sum[3])
+    }
+
+    /// A_aa where they are all neighbours, 1/s.
+    pub(super) fn diagonal(&self) -> f64 {
+        -self.weights.iter().flatten().sum::<f64>()
     }
 
     /// Calls `visit(b, w_ab)` for the neighbours of the particle in a place.
     #[inline(always)]
     pub(super) fn for_each(&self, place: usize, mut visit: impl FnMut(usize, f64)) {
+        self.are_all(place, |other, weight| {
+            visit(other, weight);
+            true
+        });
+    }
+
+    /// Whether `is_so(b, w_ab)` for all of them: those behind one of which it is not are not asked for.
+    #[inline(always)]
+    fn are_all(&self, place: usize, mut is_so: impl FnMut(usize, f64) -> bool) -> bool {
         let start = self.start(place);
-        for (ahead, weights) in self.all() {
-            let there = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-            there.for_each(|(x, weight)| visit(start + ahead + x, *weight));
-        }
+        self.all().all(|(ahead, weights)| {
+            let mut there = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+            there.all(|(x, weight)| is_so(start + ahead + x, *weight))
+        })
+    }
+
+    /// Bytes that they hold.
+    pub(super) fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.ahead) + size_of_val(&*self.weights)
     }
 }
 
 /// Where the neighbours of a particle were looked up last, which is near that of the next as a rule.
 #[derive(Debug, Default)]
 pub(super) struct Near {
-    /// Among the rows of some places.
+    /// Among the rows of some places, and among those of them that are like others.
     pub(super) row: usize,
+    pub(super) alike: usize,
     /// Among parts of different factors.
     pub(super) part: usize,
 }
@@ -87,22 +115,18 @@ pub(super) enum Entries<'a> {
     Row(&'a [u32], &'a [f64]),
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_tell_what_they_go_over() {
-        let lines = Lines::of(&[(-11, 1.0), (-10, 2.0), (-1, 1.0), (1, 1.0), (10, 2.0)]);
-        assert_eq!(lines.ahead, [0, 10, 21]);
-        let mut values = vec![7; 60];
-        assert!(lines.are_all(20, &values));
-        // The last line ends with place 33.
-        for (place, is_in) in [(8, false), (9, true), (33, true), (34, false)] {
-            values[place] = 8;
-            assert_eq!(lines.are_all(20, &values), !is_in, "{place}");
-            values[place] = 7;
+impl Entries<'_> {
+    /// Whether `is_so(b, w_ab)` for all neighbours of the particle in a place: those behind one of which it is not are
+    /// not asked for.
+    pub(super) fn are_all(&self, place: usize, mut is_so: impl FnMut(usize, f64) -> bool) -> bool {
+        match self {
+            Self::Lines(lines, factor) => {
+                lines.are_all(place, |other, weight| is_so(other, factor * weight))
+            }
+            Self::Row(others, weights) => {
+                let mut entries = others.iter().zip(*weights);
+                entries.all(|(&other, &weight)| is_so(other as usize, weight))
+            }
         }
-        assert!(!lines.are_all(47, &values), "lines end past the last place");
     }
 }

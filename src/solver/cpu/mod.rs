@@ -15,6 +15,7 @@ mod operator;
 mod partial_step;
 mod rows;
 mod seam_step;
+mod shared_lines;
 mod vector;
 
 use std::sync::Arc;

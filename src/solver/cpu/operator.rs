@@ -131,6 +131,11 @@ pub(super) trait CpuOperator: Send + Sync {
     /// none, they mean nothing.
     fn entries(&self, place: usize, near: &mut Near) -> Entries<'_>;
 
+    /// Whether places are those of a lattice: many have neighbours that are as far away.
+    fn has_lines(&self) -> bool {
+        false
+    }
+
     /// How many places a neighbour is away at most, round the ends of periodic axes.
     fn reach(&self) -> usize;
 

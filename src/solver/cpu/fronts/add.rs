@@ -126,11 +126,12 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                         *out -= taken * ratio;
                     }
                 };
-                match operator.entries(place, &mut near) {
+                let (entries, are_alike) = of.entries(place, operator, &mut near);
+                match entries {
                     Entries::Lines(lines, factor) => {
                         let start = lines.start(place);
                         match potentials.get(start..start + lines.span()) {
-                            Some(around) if of.is_alike(place) => {
+                            Some(around) if are_alike => {
                                 *flow = flow.times(factor);
                                 let first = start.wrapping_sub(own.start);
                                 let is_own = own.contains(&place);

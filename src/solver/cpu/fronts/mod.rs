@@ -1,13 +1,12 @@
 //! Fronts in memory: the flows that melting particles have beside those of the operator.
 
 mod add;
+mod own_lines;
 mod queue;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use super::entries::{Entries, Lines, Near};
+use super::entries::{Entries, Near};
 use super::operator::CpuOperator;
 use super::vector::Capacities;
 use crate::model::Problem;
@@ -16,10 +15,7 @@ use crate::model::operator::{Front, Fronts};
 pub(super) use add::Add;
 pub(super) use queue::Queue;
 
-/// Of a word.
-const BITS: usize = u64::BITS as usize;
-/// Words that one parallel task finds, at least.
-const WORDS_OF_A_TASK: usize = 1 << 6;
+use own_lines::{Beside, OwnLines};
 
 /// What is needed of a scene where something melts at one temperature, by place.
 pub(super) struct FrontFlows {
@@ -27,9 +23,8 @@ pub(super) struct FrontFlows {
     /// The material of each place, where fronts differ; else the front of all.
     of: Which,
     capacities: Arc<Capacities>,
-    /// By place, a bit each: whether all that its [`Lines`] go over is of its material and its capacity, and is there;
-    /// `None` where all is.
-    alike: Option<Vec<u64>>,
+    /// `None` where all that an operator has in lines is of one material and one capacity.
+    own: Option<OwnLines>,
 }
 
 enum Which {
@@ -51,8 +46,8 @@ impl FrontFlows {
             None => Which::Same(*fronts.of_material(problem.particles.material[0])?),
             Some(materials) => Which::Each(Arc::clone(materials)),
         };
-        let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), alike: None };
-        flows.alike = flows.find_alike(operator);
+        let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), own: None };
+        flows.own = operator.has_lines().then(|| flows.own_lines(operator)).flatten();
         Some(flows)
     }
 
@@ -91,44 +86,45 @@ impl FrontFlows {
         }
     }
 
-    fn find_alike(&self, operator: &dyn CpuOperator) -> Option<Vec<u64>> {
+    fn own_lines(&self, operator: &dyn CpuOperator) -> Option<OwnLines> {
         let materials = match &self.of {
             Which::Same(_) => None,
-            Which::Each(materials) => Some(&**materials),
+            Which::Each(materials) => Some(materials.len()),
         };
         let capacities = match &*self.capacities {
             Capacities::Same(_) => None,
-            Capacities::Each(capacities) => Some(&**capacities),
+            Capacities::Each(capacities) => Some(capacities.len()),
         };
-        let count = materials.map(<[u16]>::len).or(capacities.map(<[f64]>::len))?;
-        let is_alike = |place: usize, lines: &Lines| {
-            materials.is_none_or(|materials| lines.are_all(place, materials))
-                && capacities.is_none_or(|capacities| lines.are_all(place, capacities))
+        let beside = |place: usize, other: usize| match self.ratio(place, other) {
+            Some(1.0) => Beside::Alike,
+            Some(_) => Beside::Own,
+            None => Beside::Other,
         };
-        let bits = |word: usize| {
-            let (first, mut near) = (word * BITS, Near::default());
-            let places = first..count.min(first + BITS);
-            places.rev().fold(0, |bits, place| {
-                let entries = self.front(place).map(|_| operator.entries(place, &mut near));
-                let is_alike =
-                    matches!(entries, Some(Entries::Lines(lines, _)) if is_alike(place, lines));
-                bits << 1 | u64::from(is_alike)
-            })
-        };
-        let words = (0..count.div_ceil(BITS)).into_par_iter().with_min_len(WORDS_OF_A_TASK);
-        Some(words.map(bits).collect())
+        let count = materials.or(capacities)?;
+        Some(OwnLines::of(count, operator, |place| self.front(place).is_some(), beside))
     }
 
-    /// Whether all that the lines of a place go over is of the material and the capacity of what is there, and is
-    /// there.
+    /// Neighbours of the particle in a place, and whether what is beside it in lines is of its material and its
+    /// capacity: only then some of other materials may be left out.
     #[inline(always)]
-    fn is_alike(&self, place: usize) -> bool {
-        self.alike.as_ref().is_none_or(|bits| bits[place / BITS] >> (place % BITS) & 1 != 0)
+    fn entries<'a, O: CpuOperator + ?Sized>(
+        &'a self,
+        place: usize,
+        operator: &'a O,
+        near: &mut Near,
+    ) -> (Entries<'a>, bool) {
+        let Some(own) = &self.own else {
+            return (operator.entries(place, near), true);
+        };
+        match own.at(place) {
+            Some(lines) => (Entries::Lines(lines, 1.0), true),
+            None => (operator.entries(place, near), false),
+        }
     }
 
     /// Bytes that they hold, but for materials and capacities.
     pub(super) fn memory_bytes(&self) -> usize {
-        self.alike.as_ref().map_or(0, |bits| size_of_val(&**bits))
+        self.own.as_ref().map_or(0, OwnLines::memory_bytes)
     }
 
     /// How much the rate of `other` changes for one of `place`, with which it exchanges heat; `None` where it is of

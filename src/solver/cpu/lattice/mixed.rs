@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::LatticeOperator;
+use super::alike_rows::AlikeRows;
 use super::around::Around;
 use super::kernel::{Run, Scratch, Seen};
 use crate::model::lattice::{LatticeScene, MixedScene};
@@ -20,11 +21,14 @@ const GAP: usize = 128;
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
     rows: SomeRows,
+    /// Those that were among them and are like others.
+    alike: AlikeRows,
 }
 
 impl Mixed {
-    pub(in crate::solver::cpu) fn new(scene: Arc<MixedScene>, rows: SomeRows) -> Self {
-        Self { scene, rows }
+    pub(in crate::solver::cpu) fn new(scene: Arc<MixedScene>, mut rows: SomeRows) -> Self {
+        let alike = AlikeRows::take_from(&mut rows, scene.lattice.counts.iter().product());
+        Self { scene, rows, alike }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -91,9 +95,11 @@ impl Mixed {
                 out[site - sites.start] += combine.factor(now.values[site]) * rate;
             }
         }
-        self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
+        let mut write = |site: usize, rate: f64| {
             out[site - sites.start] = combine.of(now.values[site], rate);
-        });
+        };
+        self.alike.rates(sites, &mut seen.alike, now.values, &mut write);
+        self.rows.rates(sites, &mut seen.rows, now.values, source, write);
         -self.rows.held_rate(sites, &mut seen.held, now.values)
     }
 }
@@ -114,6 +120,9 @@ impl LatticeOperator for Mixed {
     }
 
     fn entries<'a>(&'a self, around: &'a Around, site: usize, near: &mut Near) -> Entries<'a> {
+        if let Some(lines) = self.alike.at(site, &mut near.alike) {
+            return Entries::Lines(lines, 1.0);
+        }
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
             return Entries::Row(others, weights);
         }
@@ -188,11 +197,12 @@ impl LatticeOperator for Mixed {
         for (&site, linear) in sources.rank().iter().zip(sources.linear()) {
             diagonal[site as usize] += linear;
         }
+        self.alike.diagonals(|site, d| diagonal[site] = d);
         self.rows.diagonals(|site, d| diagonal[site] = d);
         diagonal
     }
 
     fn memory_bytes(&self) -> usize {
-        self.rows.memory_bytes() + self.scene.memory_bytes()
+        self.rows.memory_bytes() + self.alike.memory_bytes() + self.scene.memory_bytes()
     }
 }

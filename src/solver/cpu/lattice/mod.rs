@@ -1,5 +1,6 @@
 //! Lattices as an operator: a stencil, and nothing more but for the rows that need it. Places are sites.
 
+mod alike_rows;
 mod around;
 mod kernel;
 mod mixed;
@@ -116,6 +117,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     fn entries(&self, place: usize, near: &mut Near) -> Entries<'_> {
         let around = self.around.get_or_init(|| Around::of(self.of.scene()));
         self.of.entries(around, place, near)
+    }
+
+    fn has_lines(&self) -> bool {
+        true
     }
 
     fn reach(&self) -> usize {

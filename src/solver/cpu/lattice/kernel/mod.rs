@@ -79,8 +79,9 @@ pub(in crate::solver::cpu) struct Scratch {
 pub(super) struct Seen {
     pub(super) held: usize,
     pub(super) walls: usize,
-    /// Rows of their own.
+    /// Rows of their own, and those among them that are like others.
     pub(super) rows: usize,
+    pub(super) alike: usize,
     /// Parts of different factors.
     pub(super) parts: usize,
 }
