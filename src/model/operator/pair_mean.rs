@@ -38,7 +38,7 @@ impl PairMean {
     }
 
     /// As [`Self::of`], of the terms of two diffusivities.
-    #[inline]
+    #[inline(always)]
     pub fn of_terms(self, term_a: f64, term_b: f64) -> f64 {
         match self {
             Self::Harmonic => 4.0 / (term_a + term_b),

@@ -15,26 +15,27 @@ use super::fold::RowFold;
 use super::rows::{Walk, cell_grid, tasks};
 use crate::model::material::Material;
 use crate::model::neighbors::{CellGrid, Scratch};
+use crate::model::wide::{self, Work, multiply_add};
 use crate::model::{PairMean, Problem};
 
 /// Rows that one parallel task works on, at least.
 const ROWS_OF_A_TASK: usize = 1 << 9;
+
+/// Rows of a line.
+const LANES: usize = 4;
 
 /// The pairs of different materials, row by row.
 #[derive(Clone, Debug)]
 pub struct Seams {
     pair_mean: PairMean,
     materials: Vec<Material>,
-    /// By material, and then by that of a neighbour: one over the mean of the reference conductivities.
-    over_mean: Vec<f64>,
     /// Ascending.
     places: Vec<u32>,
-    /// By place.
-    rows: Vec<SeamRow>,
-    /// The rows of their neighbours, one row after the other.
-    neighbors: Vec<u32>,
-    /// The weights of the pairs, 1/s.
-    weights: Vec<f64>,
+    /// By place: which one of the kinds. Of a lattice many rows are of one.
+    rows: Vec<u32>,
+    kinds: Vec<Kind>,
+    /// The lines of kinds, one kind after the other.
+    lines: Vec<Line>,
 }
 
 /// A particle that has neighbours of other materials.
@@ -48,13 +49,28 @@ pub struct Seam {
     pub pairs: Vec<(u32, u16, f64)>,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct SeamRow {
+/// Rows that differ in their place alone.
+#[derive(Clone, Debug)]
+struct Kind {
     material: u16,
     /// Capacity where the particle is held, else none.
     held: Option<f64>,
-    /// Where its pairs end.
-    end: u32,
+    /// How many rows further the first of its lines begins, and how far the last of them ends from there.
+    first: isize,
+    span: usize,
+    /// Which lines it has.
+    lines: Range<usize>,
+}
+
+/// Rows that follow each other, some of which are of neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+struct Line {
+    /// How far it begins from the first of its kind.
+    ahead: usize,
+    /// The weights, 1/s; 0 where there is no neighbour.
+    weights: [f64; LANES],
+    /// These over the mean of the reference conductivities.
+    over_mean: [f64; LANES],
 }
 
 /// What the particle of a row is like.
@@ -66,8 +82,60 @@ pub struct Local {
     pub potential: f64,
     /// What [`PairMean`] needs of its conductivity, W/(m K).
     pub term: f64,
-    /// Its material.
-    pub material: u16,
+}
+
+/// What the particles of rows are like.
+#[derive(Clone, Debug, Default)]
+pub struct Locals {
+    /// By row, and as many as a line may go over behind the last one.
+    temperatures: Vec<f64>,
+    potentials: Vec<f64>,
+    terms: Vec<f64>,
+}
+
+/// Those of some rows that follow each other, to be written.
+#[derive(Debug, Default)]
+pub struct LocalsMut<'a> {
+    temperatures: &'a mut [f64],
+    potentials: &'a mut [f64],
+    terms: &'a mut [f64],
+}
+
+impl Locals {
+    /// All of them.
+    pub fn all_mut(&mut self) -> LocalsMut<'_> {
+        let Self { temperatures, potentials, terms } = self;
+        LocalsMut { temperatures, potentials, terms }
+    }
+
+    /// Bytes that they hold.
+    pub fn memory_bytes(&self) -> usize {
+        [&self.temperatures, &self.potentials, &self.terms]
+            .map(|each| size_of_val(&**each))
+            .iter()
+            .sum()
+    }
+}
+
+impl<'a> LocalsMut<'a> {
+    /// Takes those of the next rows out.
+    pub fn take(&mut self, rows: usize) -> Self {
+        let take = |rest: &mut &'a mut [f64]| {
+            let (taken, others) = std::mem::take(rest).split_at_mut(rows);
+            *rest = others;
+            taken
+        };
+        let Self { temperatures, potentials, terms } = self;
+        Self { temperatures: take(temperatures), potentials: take(potentials), terms: take(terms) }
+    }
+
+    /// Takes note of what one of them is like, counted from the first.
+    #[inline]
+    pub fn set(&mut self, row: usize, Local { temperature, potential, term }: Local) {
+        self.temperatures[row] = temperature;
+        self.potentials[row] = potential;
+        self.terms[row] = term;
+    }
 }
 
 impl Seams {
@@ -120,34 +188,57 @@ impl Seams {
         };
         let mut found: Vec<_> = tasks(&grid).into_par_iter().flat_map_iter(of_cells).collect();
         found.par_sort_unstable_by_key(|&(a, _)| place[a]);
+        if found.is_empty() {
+            return None;
+        }
         let mut row_of = HashMap::with_capacity(found.len());
         row_of.extend((0..).zip(&found).map(|(row, &(a, _))| (a, row)));
-        let places = found.iter().map(|&(a, _)| place[a]).collect();
-        let mut rows = Vec::with_capacity(found.len());
-        let (mut neighbors, mut weights) = (Vec::new(), Vec::new());
-        for (a, pairs) in &found {
-            neighbors.extend(pairs.iter().map(|(b, _)| row_of[b]));
-            weights.extend(pairs.iter().map(|&(_, weight)| weight));
-            let held = problem.is_held(*a).then(|| problem.capacity(*a));
-            rows.push(SeamRow { material: material(*a), held, end: neighbors.len() as u32 });
-        }
-        let (pair_mean, materials) = (problem.pair_mean, problem.materials.clone());
-        let over_mean = |a: &Material, b: &Material| {
-            // What does not conduct at all has no weight.
-            let mean = pair_mean.of(a.conductivity, b.conductivity);
-            if mean > 0.0 { 1.0 / mean } else { 0.0 }
+        let mut seams = Self {
+            pair_mean: problem.pair_mean,
+            materials: problem.materials.clone(),
+            places: found.iter().map(|&(a, _)| place[a]).collect(),
+            rows: Vec::with_capacity(found.len()),
+            kinds: Vec::new(),
+            lines: Vec::new(),
         };
-        let of_pairs = |a: &Material| materials.iter().map(|b| over_mean(a, b)).collect::<Vec<_>>();
-        let over_mean = materials.iter().flat_map(of_pairs).collect();
-        (!rows.is_empty()).then_some(Self {
-            pair_mean,
-            materials,
-            over_mean,
-            places,
-            rows,
-            neighbors,
-            weights,
-        })
+        let mut kinds = HashMap::new();
+        for (row, (a, pairs)) in (0_isize..).zip(&found) {
+            let held = problem.is_held(*a).then(|| problem.capacity(*a));
+            let pair = |&(b, weight): &(usize, f64)| (row_of[&b] - row, material(b), weight);
+            let mut pairs: Vec<_> = pairs.iter().map(pair).collect();
+            pairs.sort_unstable_by_key(|&(step, ..)| step);
+            let key = pairs.iter().map(|&(step, of_b, weight)| (step, of_b, weight.to_bits()));
+            let key = (material(*a), held.map(f64::to_bits), key.collect::<Vec<_>>());
+            let kind =
+                *kinds.entry(key).or_insert_with(|| seams.add_kind(material(*a), held, &pairs));
+            seams.rows.push(kind);
+        }
+        Some(seams)
+    }
+
+    /// Adds a kind, with how many rows further, material and weight (1/s) of each neighbour; rows ascend.
+    fn add_kind(&mut self, material: u16, held: Option<f64>, pairs: &[(isize, u16, f64)]) -> u32 {
+        let conductivity = |of: u16| self.materials[usize::from(of)].conductivity;
+        let first = pairs.first().map_or(0, |&(step, ..)| step);
+        let mut lines: Vec<Line> = Vec::new();
+        for &(step, of_other, weight) in pairs {
+            let mean = self.pair_mean.of(conductivity(material), conductivity(of_other));
+            let ahead = (step - first) as usize;
+            if lines.last().is_none_or(|last| ahead >= last.ahead + LANES) {
+                lines.push(Line { ahead, ..Line::default() });
+            }
+            if let Some(last) = lines.last_mut() {
+                let lane = ahead - last.ahead;
+                last.weights[lane] = weight;
+                // What does not conduct at all has no weight.
+                last.over_mean[lane] = if mean > 0.0 { weight / mean } else { 0.0 };
+            }
+        }
+        let span = lines.last().map_or(0, |last| last.ahead + LANES);
+        let of_kind = self.lines.len()..self.lines.len() + lines.len();
+        self.lines.extend(lines);
+        self.kinds.push(Kind { material, held, first, span, lines: of_kind });
+        self.kinds.len() as u32 - 1
     }
 
     /// The places of its rows, ascending.
@@ -157,7 +248,12 @@ impl Seams {
 
     /// The material of a row.
     pub fn material(&self, row: usize) -> usize {
-        usize::from(self.rows[row].material)
+        usize::from(self.kind(row).material)
+    }
+
+    #[inline(always)]
+    fn kind(&self, row: usize) -> &Kind {
+        &self.kinds[self.rows[row] as usize]
     }
 
     /// What the particle of a row is like with an enthalpy (K).
@@ -166,37 +262,29 @@ impl Seams {
         let plain = || [enthalpy, enthalpy, material.conductivity];
         let [temperature, potential, conductivity] =
             material.curve.as_ref().map_or_else(plain, |curve| curve.state(enthalpy));
-        self.local_of(row, [temperature, potential, conductivity])
+        self.local_of([temperature, potential, conductivity])
     }
 
     /// The same with a temperature (K), a potential (K) and a conductivity (W/(m K)).
-    pub fn local_of(&self, row: usize, [temperature, potential, conductivity]: [f64; 3]) -> Local {
-        let (term, material) = (self.pair_mean.term(conductivity), self.rows[row].material);
-        Local { temperature, potential, term, material }
+    pub fn local_of(&self, [temperature, potential, conductivity]: [f64; 3]) -> Local {
+        Local { temperature, potential, term: self.pair_mean.term(conductivity) }
     }
 
     /// What all of them are like, which `local` tells of a row and its place.
-    pub fn locals(&self, local: impl Fn(usize, usize) -> Local + Sync) -> Vec<Local> {
-        let local = |(row, &place): (usize, &u32)| local(row, place as usize);
-        let places = self.places.par_iter().with_min_len(ROWS_OF_A_TASK);
-        places.enumerate().map(local).collect()
-    }
-
-    /// What the rate of a row is short of, where its neighbours are like `locals`, 1/s x K.
-    #[inline]
-    fn rate(&self, row: usize, locals: &[Local]) -> f64 {
-        let own = &locals[row];
-        let over_mean = &self.over_mean[usize::from(own.material) * self.materials.len()..];
-        let short = |(&other, weight): (&u32, &f64)| {
-            let other = &locals[other as usize];
-            let mean = self.pair_mean.of_terms(own.term, other.term);
-            let by_heat = over_mean[usize::from(other.material)] * mean;
-            weight
-                * (by_heat * (other.temperature - own.temperature)
-                    - (other.potential - own.potential))
-        };
-        let pairs = self.pairs_of(row);
-        self.neighbors[pairs.clone()].iter().zip(&self.weights[pairs]).map(short).sum()
+    pub fn locals(&self, local: impl Fn(usize, usize) -> Local + Sync) -> Locals {
+        let (count, with_ends) = (self.places.len(), self.places.len() + LANES - 1);
+        let [temperatures, potentials, terms] = [(); 3].map(|()| vec![0.0; with_ends]);
+        let mut locals = Locals { temperatures, potentials, terms };
+        let mut rest = locals.all_mut();
+        let parts = (0..count).step_by(ROWS_OF_A_TASK).map(|first| {
+            let rows = first..count.min(first + ROWS_OF_A_TASK);
+            (rest.take(rows.len()), rows)
+        });
+        parts.collect::<Vec<_>>().into_par_iter().for_each(|(mut part, rows)| {
+            let first = rows.start;
+            rows.for_each(|row| part.set(row - first, local(row, self.places[row] as usize)));
+        });
+        locals
     }
 
     /// Adds `factor` times what rates of some rows are short of, where their neighbours are like `locals`, to those of
@@ -205,51 +293,90 @@ impl Seams {
     pub fn add(
         &self,
         rows: Range<usize>,
-        locals: &[Local],
+        locals: &Locals,
         factor: f64,
         first: usize,
         rates: &mut [f64],
     ) -> f64 {
-        let mut given = 0.0;
-        for row in rows {
-            let rate = factor * self.rate(row, locals);
-            match self.rows[row].held {
-                Some(capacity) => given -= capacity * rate,
-                None => rates[self.places[row] as usize - first] += rate,
-            }
-        }
-        given
+        wide::run(AddSeams { of: self, rows, locals, factor, first, rates })
     }
 
     /// Its rows.
     pub fn rows(&self) -> impl Iterator<Item = Seam> + '_ {
         (0..self.rows.len()).map(|row| {
-            let pair = |(&other, &weight): (&u32, &f64)| {
-                let other = other as usize;
-                (self.places[other], self.rows[other].material, weight)
-            };
-            let pairs = self.pairs_of(row);
-            let pairs = self.neighbors[pairs.clone()].iter().zip(&self.weights[pairs]);
-            Seam {
-                place: self.places[row],
-                material: self.rows[row].material,
-                pairs: pairs.map(pair).collect(),
+            let kind = self.kind(row);
+            let first = row.wrapping_add_signed(kind.first);
+            let mut pairs = Vec::new();
+            for Line { ahead, weights, .. } in &self.lines[kind.lines.clone()] {
+                let neighbors = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+                pairs.extend(neighbors.map(|(lane, &weight)| {
+                    let other = first + ahead + lane;
+                    (self.places[other], self.kind(other).material, weight)
+                }));
             }
+            Seam { place: self.places[row], material: kind.material, pairs }
         })
-    }
-
-    fn pairs_of(&self, row: usize) -> Range<usize> {
-        let first = if row > 0 { self.rows[row - 1].end } else { 0 };
-        first as usize..self.rows[row].end as usize
     }
 
     /// Bytes that they hold.
     pub fn memory_bytes(&self) -> usize {
-        let pairs = size_of_val(&*self.neighbors) + size_of_val(&*self.weights);
-        size_of_val(&*self.places)
-            + size_of_val(&*self.rows)
-            + size_of_val(&*self.over_mean)
-            + pairs
+        let kinds = size_of_val(&*self.kinds) + size_of_val(&*self.lines);
+        size_of_val(&*self.places) + size_of_val(&*self.rows) + kinds
+    }
+}
+
+/// See [`Seams::add`].
+struct AddSeams<'a> {
+    of: &'a Seams,
+    rows: Range<usize>,
+    locals: &'a Locals,
+    factor: f64,
+    first: usize,
+    rates: &'a mut [f64],
+}
+
+impl Work for AddSeams<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> f64 {
+        match self.of.pair_mean {
+            PairMean::Harmonic => self.add::<FUSED>(|a, b| PairMean::Harmonic.of_terms(a, b)),
+            PairMean::Arithmetic => self.add::<FUSED>(|a, b| PairMean::Arithmetic.of_terms(a, b)),
+        }
+    }
+}
+
+impl AddSeams<'_> {
+    #[inline(always)]
+    fn add<const FUSED: bool>(self, mean: impl Fn(f64, f64) -> f64) -> f64 {
+        let Self { of, rows, locals, factor, first, rates } = self;
+        let all = [&locals.temperatures, &locals.potentials, &locals.terms];
+        let mut given = 0.0;
+        for row in rows {
+            let (kind, [temperature, potential, term]) = (of.kind(row), all.map(|all| all[row]));
+            let (start, mut sum) = (row.wrapping_add_signed(kind.first), [0.0; LANES]);
+            let around = all.map(|all| &all[start..start + kind.span]);
+            for &Line { ahead, weights, over_mean } in &of.lines[kind.lines.clone()] {
+                let [temperatures, potentials, terms] = around.map(|around| {
+                    let line: &[f64; LANES] =
+                        around[ahead..ahead + LANES].try_into().expect("a line's length");
+                    line
+                });
+                for x in 0..LANES {
+                    let by_heat = over_mean[x] * mean(term, terms[x]);
+                    let by_matrix = weights[x] * (potentials[x] - potential);
+                    let fall = temperatures[x] - temperature;
+                    sum[x] += multiply_add::<FUSED>(by_heat, fall, -by_matrix);
+                }
+            }
+            let rate = factor * sum.iter().sum::<f64>();
+            match kind.held {
+                Some(capacity) => given -= capacity * rate,
+                None => rates[of.places[row] as usize - first] += rate,
+            }
+        }
+        given
     }
 }
 

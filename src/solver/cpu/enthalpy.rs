@@ -11,7 +11,7 @@ use super::latent::Latent;
 use super::operator::CpuOperator;
 use super::vector::Capacities;
 use crate::model::Problem;
-use crate::model::operator::{Local, Seams, within};
+use crate::model::operator::{Local, Locals, Seams, within};
 
 /// The state of a scene with curves, by place.
 ///
@@ -33,7 +33,7 @@ pub(super) struct Begun {
     /// Those that melt at one temperature.
     pub(super) latent: Latent,
     /// What the particles of seams are like, by their rows, and what they are like after a step.
-    pub(super) at_seams: [Vec<Local>; 2],
+    pub(super) at_seams: [Locals; 2],
 }
 
 /// What does not change of it.
@@ -80,7 +80,7 @@ impl Enthalpy {
                 scene.at_seam(seams, row, now[place], values[place], melts)
             })
         };
-        let locals = scene.seams.as_ref().map_or(Vec::new(), locals);
+        let locals = scene.seams.as_ref().map_or_else(Locals::default, locals);
         self.set_begun(Begun { latent, at_seams: [locals.clone(), locals] });
     }
 
@@ -256,13 +256,13 @@ impl HeatScene {
         let course = &courses[seams.material(row)];
         let state = melts()
             .map_or_else(|| course.state(potential), |enthalpy| course.melting_state(enthalpy));
-        seams.local_of(row, state)
+        seams.local_of(state)
     }
 }
 
 impl Begun {
     fn memory_bytes(&self) -> usize {
-        let at_seams = self.at_seams.iter().map(|locals| size_of_val(&**locals));
+        let at_seams = self.at_seams.iter().map(Locals::memory_bytes);
         self.latent.memory_bytes() + at_seams.sum::<usize>()
     }
 }

@@ -64,7 +64,7 @@ impl Lines {
                 sum[x] = multiply_add::<FUSED>(weights[x], line[x] - own, sum[x]);
             }
         }
-        (sum[0] + sum[1]) + (sum[2] + sum[3])
+        sum.iter().sum()
     }
 
     /// A_aa where they are all neighbours, 1/s.

@@ -107,16 +107,15 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         let (scene, begun, enthalpies) = enthalpy.parts();
         let Begun { latent: before, at_seams: [locals, mut after] } = begun;
         let count = out.len();
-        let (mut first, mut row, mut rest) = (0, 0, &mut after[..]);
+        let (mut first, mut row, mut rest) = (0, 0, after.all_mut());
         let mut tasks = Vec::with_capacity(count.div_ceil(self.task));
         for (out, enthalpies) in out.chunks_mut(self.task).zip(enthalpies.chunks_mut(self.task)) {
             let places = first..first + out.len();
             first = places.end;
             let seams = scene.seams.as_ref().map(|seams| {
                 let rows = within_near(seams.places(), &places, &mut row);
-                let (of_task, others) = std::mem::take(&mut rest).split_at_mut(rows.len());
-                rest = others;
-                SeamStep::new(seams, &locals, rows.start, of_task)
+                let of_task = rest.take(rows.len());
+                SeamStep::new(seams, &locals, rows, of_task)
             });
             tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
         }

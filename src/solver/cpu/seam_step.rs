@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use crate::model::operator::{Local, Seams, take_below};
+use crate::model::operator::{Local, Locals, LocalsMut, Seams, take_below};
 
 /// The rows of seams among some places, in one of Euler's steps.
 pub(super) struct SeamStep<'a> {
     seams: &'a Seams,
     /// What all are like as the step begins.
-    locals: &'a [Local],
+    locals: &'a Locals,
     /// What those of these places are like after it, and the first of them.
-    after: &'a mut [Local],
+    after: LocalsMut<'a>,
     first: usize,
     /// The rows whose rates are still to be added to, and those of which is still to be noted what they are like.
     to_add: Range<usize>,
@@ -18,15 +18,14 @@ pub(super) struct SeamStep<'a> {
 }
 
 impl<'a> SeamStep<'a> {
-    /// A step from `locals`, which are of all rows; `after` is for those from `first` on.
+    /// A step of `rows` from `locals`, which are of all; `after` is for those.
     pub(super) fn new(
         seams: &'a Seams,
-        locals: &'a [Local],
-        first: usize,
-        after: &'a mut [Local],
+        locals: &'a Locals,
+        rows: Range<usize>,
+        after: LocalsMut<'a>,
     ) -> Self {
-        let rows = first..first + after.len();
-        Self { seams, locals, after, first, to_add: rows.clone(), to_note: rows }
+        Self { seams, locals, after, first: rows.start, to_add: rows.clone(), to_note: rows }
     }
 
     /// Adds what the matrix does not know of flows between materials to the rates of the next places up to `end`, which
@@ -46,7 +45,7 @@ impl<'a> SeamStep<'a> {
     ) {
         for row in take_below(self.seams.places(), &mut self.to_note, end) {
             let place = self.seams.places()[row] as usize;
-            self.after[row - self.first] = local(self.seams, row, place);
+            self.after.set(row - self.first, local(self.seams, row, place));
         }
     }
 }

@@ -90,7 +90,7 @@ impl Gain {
     /// All of it.
     #[inline(always)]
     fn sum(&self, flow: Flow) -> f64 {
-        let sum = |parts: &[f64; LANES]| (parts[0] + parts[1]) + (parts[2] + parts[3]);
+        let sum = |parts: &[f64; LANES]| parts.iter().sum::<f64>();
         sum(&self.taken) + flow.more * sum(&self.of_liquid)
     }
 }
