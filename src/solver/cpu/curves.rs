@@ -13,8 +13,8 @@ use crate::model::{HeatCurve, Problem};
 pub(super) struct Curves {
     /// By place: which one; none where all have the first.
     of: Option<Arc<[u16]>>,
-    /// The places where another begins.
-    starts: Vec<u32>,
+    /// The places where another begins, and which; also the first.
+    starts: Vec<(u32, u16)>,
     curves: Vec<Option<Arc<HeatCurve>>>,
     /// How potentials go on with each, if they tell enthalpies with all.
     courses: Option<Vec<Course>>,
@@ -33,10 +33,15 @@ impl Curves {
             (Some(of), &problem.materials[..])
         };
         let changes = |of: &Arc<[u16]>| {
-            let pairs = (1..).zip(of.windows(2));
-            pairs.filter(|(_, pair)| pair[0] != pair[1]).map(|(place, _)| place).collect()
+            let mut starts: Vec<(u32, u16)> = Vec::new();
+            for (place, &which) in (0..).zip(of.iter()) {
+                if starts.last().is_none_or(|&(_, before)| before != which) {
+                    starts.push((place, which));
+                }
+            }
+            starts
         };
-        let starts = of.as_ref().map_or(Vec::new(), changes);
+        let starts = of.as_ref().map_or_else(|| vec![(0, 0)], changes);
         let curves = materials.iter().map(|material| material.curve.clone()).collect();
         let courses = materials.iter().map(Course::of).collect();
         Self { of, starts, curves, courses }
@@ -68,14 +73,15 @@ impl Curves {
         &self,
         places: Range<usize>,
     ) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let first = self.starts.partition_point(|&start| start as usize <= places.start);
-        let mut starts = self.starts[first..].iter();
-        let mut start = places.start;
+        let begun = self.starts.partition_point(|&(start, _)| start as usize <= places.start);
+        let mut starts = self.starts[begun..].iter();
+        // Which it is stands beside where it begins, since places are looked up in another part of memory.
+        let mut next = begun.checked_sub(1).map(|last| (places.start, self.starts[last].1));
         std::iter::from_fn(move || {
-            let next = starts.next().map_or(places.end, |&next| places.end.min(next as usize));
-            let run = start..next;
-            start = run.end;
-            (!run.is_empty()).then(|| (run.clone(), self.which(run.start)))
+            let (start, which) = next.take().filter(|&(start, _)| start < places.end)?;
+            next = starts.next().map(|&(start, which)| (start as usize, which));
+            let end = next.map_or(places.end, |(next, _)| places.end.min(next));
+            Some((start..end, usize::from(which)))
         })
     }
 
