@@ -9,15 +9,22 @@ var<private> own_excess: vec2<real>;
 var<private> own_above: real;
 
 fn value_at(other: u32) -> Value {
-    if !shares_front(other) {
+    let above = above_front(own_front, potential_at(other));
+    let other_may_melt = may_melt(above);
+    // Most of what is looked at does not melt, beside what does not either.
+    if !(own_melts || other_may_melt) || !shares_front(other) {
         return exactly(real(0.0));
     }
-    let enthalpy = collapsed(enthalpy_at(other));
-    if is_melting(own_front, enthalpy) == own_melts {
+    var enthalpy = real(0.0);
+    var other_melts = false;
+    if other_may_melt {
+        enthalpy = collapsed(content_at(other));
+        other_melts = is_melting(own_front, enthalpy);
+    }
+    if other_melts == own_melts {
         return exactly(real(0.0));
     }
     if own_melts {
-        let above = above_front(own_front, potential_at(other));
         return exactly(select(own_excess.x, own_excess.y, above < 0.0) * above);
     }
     let excess = front_excess(own_front, enthalpy);

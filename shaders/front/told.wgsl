@@ -3,8 +3,13 @@
 fn enthalpy_at(place: u32) -> Value {
     let front = front_of(place);
     let above = above_front(front, potential_at(place));
-    if above == 0.0 {
+    if may_melt(above) {
         return content_at(place);
     }
     return exactly(select(front.begins, front.ends, above > 0.0));
+}
+
+// Whether what has a potential so far above that of its front may melt.
+fn may_melt(above: real) -> bool {
+    return above == 0.0;
 }
