@@ -15,10 +15,10 @@ use super::fold::RowFold;
 use super::rows::{Walk, cell_grid, tasks};
 use crate::model::material::Material;
 use crate::model::neighbors::{CellGrid, Scratch};
-use crate::model::wide::{self, Work, multiply_add};
+use crate::model::wide::{self, Work, multiply_add, sum_of};
 use crate::model::{PairMean, Problem};
 
-/// Rows that one parallel task works on, at least.
+/// Rows that one parallel task works on.
 const ROWS_OF_A_TASK: usize = 1 << 9;
 
 /// Rows of a line.
@@ -94,7 +94,7 @@ pub struct Locals {
 }
 
 /// Those of some rows that follow each other, to be written.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct LocalsMut<'a> {
     temperatures: &'a mut [f64],
     potentials: &'a mut [f64],
@@ -139,8 +139,9 @@ impl<'a> LocalsMut<'a> {
 }
 
 impl Seams {
-    /// Those of `problem`, with the place of each particle; `None` where there are none.
-    pub fn of(problem: &Problem, place: &[u32]) -> Option<Self> {
+    /// Those of `problem`, with the place of each particle; `None` where there are none. Particles on the sites of a
+    /// lattice have its distances, so that those of positions do not keep rows apart by their last digits.
+    pub fn of(problem: &Problem, place: &[u32], on_sites: bool) -> Option<Self> {
         if problem.has_one_curve() {
             return None;
         }
@@ -150,6 +151,10 @@ impl Seams {
         let material = |particle: usize| problem.particles.material[particle];
         let shares_curve = |a: u16, b: u16| {
             problem.materials[usize::from(a)].shares_curve(&problem.materials[usize::from(b)])
+        };
+        let distance = |of_positions: f64| match on_sites {
+            true => problem.spacing * (of_positions / problem.spacing).powi(2).round().sqrt(),
+            false => of_positions,
         };
         // Far from where curves meet no neighbours need to be looked for.
         let curves = curves_of_cells(problem, &grid);
@@ -175,7 +180,7 @@ impl Seams {
                             let is_held = row.held && problem.is_held(b);
                             let by_walls = row.fold.map_or(0.0, |fold| fold.weight[k]);
                             (meets && !is_held)
-                                .then(|| (b, weight.between(row.a, b, n.dist) + by_walls))
+                                .then(|| (b, weight.between(row.a, b, distance(n.dist)) + by_walls))
                         };
                         let pairs: Vec<_> = neighbors.iter().enumerate().filter_map(pair).collect();
                         if !pairs.is_empty() {
@@ -229,9 +234,9 @@ impl Seams {
             }
             if let Some(last) = lines.last_mut() {
                 let lane = ahead - last.ahead;
-                last.weights[lane] = weight;
+                last.weights[lane] += weight;
                 // What does not conduct at all has no weight.
-                last.over_mean[lane] = if mean > 0.0 { weight / mean } else { 0.0 };
+                last.over_mean[lane] += if mean > 0.0 { weight / mean } else { 0.0 };
             }
         }
         let span = lines.last().map_or(0, |last| last.ahead + LANES);
@@ -370,7 +375,7 @@ impl AddSeams<'_> {
                     sum[x] += multiply_add::<FUSED>(by_heat, fall, -by_matrix);
                 }
             }
-            let rate = factor * sum.iter().sum::<f64>();
+            let rate = factor * sum_of(sum);
             match kind.held {
                 Some(capacity) => given -= capacity * rate,
                 None => rates[of.places[row] as usize - first] += rate,

@@ -132,6 +132,9 @@ impl SomeRows {
 
     /// Takes the rows of some ranks out, which ascend and have rows.
     pub fn remove(&mut self, ranks: &[u32]) {
+        if ranks.is_empty() {
+            return;
+        }
         let mut gone = ranks.iter().peekable();
         let keep: Vec<bool> =
             self.rank.iter().map(|rank| gone.next_if_eq(&rank).is_none()).collect();

@@ -13,7 +13,7 @@ use crate::model::{HeatCurve, Problem};
 pub(super) struct Curves {
     /// By place: which one; none where all have the first.
     of: Option<Arc<[u16]>>,
-    /// The places where another begins, and which; also the first.
+    /// Where one begins, and which, if they differ.
     starts: Vec<(u32, u16)>,
     curves: Vec<Option<Arc<HeatCurve>>>,
     /// How potentials go on with each, if they tell enthalpies with all.
@@ -39,9 +39,10 @@ impl Curves {
                     starts.push((place, which));
                 }
             }
+            starts.shrink_to_fit();
             starts
         };
-        let starts = of.as_ref().map_or_else(|| vec![(0, 0)], changes);
+        let starts = of.as_ref().map_or_else(Vec::new, changes);
         let curves = materials.iter().map(|material| material.curve.clone()).collect();
         let courses = materials.iter().map(Course::of).collect();
         Self { of, starts, curves, courses }
@@ -76,7 +77,8 @@ impl Curves {
         let begun = self.starts.partition_point(|&(start, _)| start as usize <= places.start);
         let mut starts = self.starts[begun..].iter();
         // Which it is stands beside where it begins, since places are looked up in another part of memory.
-        let mut next = begun.checked_sub(1).map(|last| (places.start, self.starts[last].1));
+        let first = begun.checked_sub(1).map_or(0, |last| self.starts[last].1);
+        let mut next = Some((places.start, first));
         std::iter::from_fn(move || {
             let (start, which) = next.take().filter(|&(start, _)| start < places.end)?;
             next = starts.next().map(|&(start, which)| (start as usize, which));

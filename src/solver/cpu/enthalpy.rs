@@ -61,7 +61,7 @@ impl Enthalpy {
                 place[particle as usize - 1] = at;
             }
         }
-        let seams = Seams::of(problem, &place);
+        let seams = Seams::of(problem, &place, operator.has_lines());
         let fronts = FrontFlows::new(problem, capacities, curves.materials(), operator);
         let values = operator.by_place(&problem.initial);
         Self { values, begun: None, begun_bytes: 0, scene: HeatScene { curves, seams, fronts } }

@@ -1,6 +1,6 @@
 //! The neighbours of a particle, as operators have them.
 
-use crate::model::wide::multiply_add;
+use crate::model::wide::{multiply_add, sum_of};
 
 /// Places of a line.
 pub(super) const LANES: usize = 4;
@@ -30,6 +30,8 @@ impl Lines {
             let last = lines.ahead.len() - 1;
             lines.weights[last][ahead - lines.ahead[last]] += weight;
         }
+        lines.ahead.shrink_to_fit();
+        lines.weights.shrink_to_fit();
         lines
     }
 
@@ -64,7 +66,7 @@ impl Lines {
                 sum[x] = multiply_add::<FUSED>(weights[x], line[x] - own, sum[x]);
             }
         }
-        sum.iter().sum()
+        sum_of(sum)
     }
 
     /// A_aa where they are all neighbours, 1/s.
@@ -91,18 +93,20 @@ impl Lines {
         })
     }
 
-    /// Bytes that they hold.
-    pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.ahead) + size_of_val(&*self.weights)
+    /// Bytes that some of them hold.
+    pub(super) fn all_bytes(all: &[Self]) -> usize {
+        let held = |one: &Self| size_of_val(&*one.ahead) + size_of_val(&*one.weights);
+        size_of_val(all) + all.iter().map(held).sum::<usize>()
     }
 }
 
 /// Where the neighbours of a particle were looked up last, which is near that of the next as a rule.
 #[derive(Debug, Default)]
 pub(super) struct Near {
-    /// Among the rows of some places, and among those of them that are like others.
+    /// Among the rows of some places.
     pub(super) row: usize,
-    pub(super) alike: usize,
+    /// Among rows that share lines.
+    pub(super) shared: usize,
     /// Among parts of different factors.
     pub(super) part: usize,
 }
@@ -128,5 +132,26 @@ impl Entries<'_> {
                 entries.all(|(&other, &weight)| is_so(other as usize, weight))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_less_than_a_line_apart_are_in_one() {
+        let entries = [(-11, 1.0), (-10, 2.0), (-1, 1.0), (1, 1.5), (1, 0.5), (10, 2.0)];
+        let lines = Lines::of(&entries);
+        assert_eq!(lines.ahead, [0, 10, 21]);
+        assert_eq!((lines.start(20), lines.span()), (9, 25));
+        let mut found = Vec::new();
+        lines.for_each(20, |other, weight| found.push((other, weight)));
+        assert_eq!(found, [(9, 1.0), (10, 2.0), (19, 1.0), (21, 2.0), (30, 2.0)]);
+        let values: Vec<f64> = (0..40).map(|place| f64::from(place * place)).collect();
+        let expected: f64 = found.iter().map(|&(b, w)| w * (values[b] - values[20])).sum();
+        assert_eq!(lines.rate::<false>(20, &values), expected);
+        assert_eq!(lines.rate::<false>(20, &[7.0; 40]), 0.0);
+        assert_eq!(lines.diagonal(), -8.0);
     }
 }

@@ -131,7 +131,7 @@ pub(super) trait CpuOperator: Send + Sync {
     /// none, they mean nothing.
     fn entries(&self, place: usize, near: &mut Near) -> Entries<'_>;
 
-    /// Whether places are those of a lattice: many have neighbours that are as far away.
+    /// Whether places are sites of a lattice: many have neighbours as far away as others, in lines.
     fn has_lines(&self) -> bool {
         false
     }

@@ -6,15 +6,28 @@ use super::entries::Lines;
 
 /// Different ones at most, which bounds their memory.
 const MOST: usize = 1 << 12;
+/// The same of a part, of which there are many at once.
+const MOST_OF_PART: usize = 1 << 9;
 
 /// Tells which of a few different [`Lines`] each of many places has.
-#[derive(Default)]
 pub(super) struct LinesFinder {
+    most: usize,
     /// By how far neighbours are away, ascending, with the bits of their weights.
     found: HashMap<Vec<(isize, u64)>, u16>,
 }
 
+impl Default for LinesFinder {
+    fn default() -> Self {
+        Self { most: MOST, found: HashMap::new() }
+    }
+}
+
 impl LinesFinder {
+    /// One for a part of the places, which another [takes](Self::take).
+    pub(super) fn of_part() -> Self {
+        Self { most: MOST_OF_PART, ..Self::default() }
+    }
+
     /// Which one goes over neighbours so many places away, with weights of these (1/s); `None` if there are too many
     /// different ones.
     pub(super) fn which(&mut self, neighbors: impl Iterator<Item = (isize, f64)>) -> Option<u16> {
@@ -28,7 +41,7 @@ impl LinesFinder {
             return Some(*which);
         }
         let next = self.found.len();
-        (next < MOST).then(|| *self.found.entry(key).or_insert(next as u16))
+        (next < self.most).then(|| *self.found.entry(key).or_insert(next as u16))
     }
 
     /// Adds those of another; tells which one each of them is here.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::FrontFlows;
-use crate::model::wide::{Work, multiply_add};
+use crate::model::wide::{Work, multiply_add, sum_of};
 use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
 use crate::solver::cpu::latent::Latent;
 use crate::solver::cpu::operator::{Combine, CpuOperator};
@@ -90,8 +90,7 @@ impl Gain {
     /// All of it.
     #[inline(always)]
     fn sum(&self, flow: Flow) -> f64 {
-        let sum = |parts: &[f64; LANES]| parts.iter().sum::<f64>();
-        sum(&self.taken) + flow.more * sum(&self.of_liquid)
+        sum_of(self.taken) + flow.more * sum_of(self.of_liquid)
     }
 }
 

@@ -97,15 +97,15 @@ impl FrontFlows {
         };
         let beside = |place: usize, other: usize| match self.ratio(place, other) {
             Some(1.0) => Beside::Alike,
-            Some(_) => Beside::Own,
-            None => Beside::Other,
+            Some(_) => Beside::OtherCapacity,
+            None => Beside::OtherMaterial,
         };
         let count = materials.or(capacities)?;
         Some(OwnLines::of(count, operator, |place| self.front(place).is_some(), beside))
     }
 
-    /// Neighbours of the particle in a place, and whether what is beside it in lines is of its material and its
-    /// capacity: only then some of other materials may be left out.
+    /// Neighbours of the particle in a place, but perhaps for those of other materials, and whether all are of its
+    /// material and its capacity if they are in lines.
     #[inline(always)]
     fn entries<'a, O: CpuOperator + ?Sized>(
         &'a self,

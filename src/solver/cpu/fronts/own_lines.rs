@@ -24,9 +24,9 @@ pub(super) enum Beside {
     /// Of its material and its capacity.
     Alike,
     /// Of its material, of another capacity.
-    Own,
+    OtherCapacity,
     /// Of another material.
-    Other,
+    OtherMaterial,
 }
 
 impl OwnLines {
@@ -44,7 +44,7 @@ impl OwnLines {
                 operator,
                 beside: &beside,
                 near: Near::default(),
-                finder: LinesFinder::default(),
+                finder: LinesFinder::of_part(),
                 whole: None,
             };
             let which = |place: usize| match melts(place) {
@@ -71,7 +71,7 @@ impl OwnLines {
 
     /// Bytes that they hold.
     pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.of) + self.all.iter().map(Lines::memory_bytes).sum::<usize>()
+        size_of_val(&*self.of) + Lines::all_bytes(&self.all)
     }
 }
 
@@ -111,10 +111,10 @@ impl<B: Fn(usize, usize) -> Beside> Part<'_, B> {
             if other_is == Beside::Alike {
                 own.push((other as isize - place as isize, weight));
             }
-            other_is != Beside::Own
+            other_is != Beside::OtherCapacity
         });
         let which = has_lines.then(|| finder.which(own.into_iter())).flatten();
-        if let (Some((lines, factor)), true) = (this, all_are_alike()) {
+        if let Some((lines, factor)) = this.filter(|_| all_are_alike()) {
             *whole = Some((lines, factor, which));
         }
         which
@@ -143,8 +143,8 @@ mod tests {
         // One that differs in its capacity.
         let odd = 700;
         let beside = |place: usize, other: usize| match (material(place), other) {
-            (of, _) if of != material(other) => Beside::Other,
-            (_, other) if other == odd || place == odd => Beside::Own,
+            (of, _) if of != material(other) => Beside::OtherMaterial,
+            (_, other) if other == odd || place == odd => Beside::OtherCapacity,
             _ => Beside::Alike,
         };
         let melts = |place: usize| place != 5;
@@ -154,7 +154,7 @@ mod tests {
         for place in 0..count {
             let (mut expected, mut is_beside_odd) = (Vec::new(), false);
             operator.entries(place, &mut Near::default()).are_all(place, |other, weight| {
-                is_beside_odd |= beside(place, other) == Beside::Own;
+                is_beside_odd |= beside(place, other) == Beside::OtherCapacity;
                 if material(other) == material(place) {
                     expected.push((other, weight));
                 }

@@ -5,9 +5,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::LatticeOperator;
-use super::alike_rows::AlikeRows;
 use super::around::Around;
 use super::kernel::{Run, Scratch, Seen};
+use super::shared_rows::SharedRows;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, seek, within_near};
 use crate::solver::cpu::entries::{Entries, Near};
@@ -21,14 +21,14 @@ const GAP: usize = 128;
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
     rows: SomeRows,
-    /// Those that were among them and are like others.
-    alike: AlikeRows,
+    /// Those that were among them and share lines.
+    shared: SharedRows,
 }
 
 impl Mixed {
     pub(in crate::solver::cpu) fn new(scene: Arc<MixedScene>, mut rows: SomeRows) -> Self {
-        let alike = AlikeRows::take_from(&mut rows, scene.lattice.counts.iter().product());
-        Self { scene, rows, alike }
+        let shared = SharedRows::take_from(&mut rows, scene.lattice.counts.iter().product());
+        Self { scene, rows, shared }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -98,7 +98,7 @@ impl Mixed {
         let mut write = |site: usize, rate: f64| {
             out[site - sites.start] = combine.of(now.values[site], rate);
         };
-        self.alike.rates(sites, &mut seen.alike, now.values, &mut write);
+        self.shared.rates(sites, &mut seen.shared, now.values, &mut write);
         self.rows.rates(sites, &mut seen.rows, now.values, source, write);
         -self.rows.held_rate(sites, &mut seen.held, now.values)
     }
@@ -120,7 +120,7 @@ impl LatticeOperator for Mixed {
     }
 
     fn entries<'a>(&'a self, around: &'a Around, site: usize, near: &mut Near) -> Entries<'a> {
-        if let Some(lines) = self.alike.at(site, &mut near.alike) {
+        if let Some(lines) = self.shared.at(site, &mut near.shared) {
             return Entries::Lines(lines, 1.0);
         }
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
@@ -197,12 +197,12 @@ impl LatticeOperator for Mixed {
         for (&site, linear) in sources.rank().iter().zip(sources.linear()) {
             diagonal[site as usize] += linear;
         }
-        self.alike.diagonals(|site, d| diagonal[site] = d);
+        self.shared.diagonals(|site, d| diagonal[site] = d);
         self.rows.diagonals(|site, d| diagonal[site] = d);
         diagonal
     }
 
     fn memory_bytes(&self) -> usize {
-        self.rows.memory_bytes() + self.alike.memory_bytes() + self.scene.memory_bytes()
+        self.rows.memory_bytes() + self.shared.memory_bytes() + self.scene.memory_bytes()
     }
 }

@@ -1,9 +1,9 @@
 //! Lattices as an operator: a stencil, and nothing more but for the rows that need it. Places are sites.
 
-mod alike_rows;
 mod around;
 mod kernel;
 mod mixed;
+mod shared_rows;
 mod uniform;
 
 use std::ops::Range;

@@ -79,9 +79,10 @@ pub(in crate::solver::cpu) struct Scratch {
 pub(super) struct Seen {
     pub(super) held: usize,
     pub(super) walls: usize,
-    /// Rows of their own, and those among them that are like others.
+    /// Rows of their own.
     pub(super) rows: usize,
-    pub(super) alike: usize,
+    /// Rows that share lines.
+    pub(super) shared: usize,
     /// Parts of different factors.
     pub(super) parts: usize,
 }

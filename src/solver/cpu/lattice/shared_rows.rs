@@ -1,4 +1,4 @@
-//! Rows of a lattice that differ from others in their place alone, of which nothing is stored but that.
+//! Rows of a lattice whose neighbours are as far away as those of others, with the same weights: only these are stored.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::solver::cpu::entries::{LANES, Lines};
 use crate::solver::cpu::shared_lines::LinesFinder;
 
 /// The rows of some sites, to which neither walls nor sources add anything.
-pub(super) struct AlikeRows {
+pub(super) struct SharedRows {
     /// Ascending.
     sites: Vec<u32>,
     /// By row: which of the lines it is.
@@ -18,11 +18,11 @@ pub(super) struct AlikeRows {
     lines: Vec<Lines>,
 }
 
-impl AlikeRows {
+impl SharedRows {
     /// Takes such rows out of those of a lattice with `count` sites.
     pub(super) fn take_from(rows: &mut SomeRows, count: usize) -> Self {
         let of_block = |block: usize| {
-            let (mut finder, mut found) = (LinesFinder::default(), Vec::new());
+            let (mut finder, mut found) = (LinesFinder::of_part(), Vec::new());
             for (site, others, weights) in rows.plain_rows(block) {
                 // A line may end behind the last neighbour.
                 if others.iter().any(|&other| other as usize + LANES > count) {
@@ -46,6 +46,8 @@ impl AlikeRows {
             }
         }
         rows.remove(&sites);
+        sites.shrink_to_fit();
+        which.shrink_to_fit();
         Self { sites, which, lines: finder.lines() }
     }
 
@@ -84,12 +86,11 @@ impl AlikeRows {
 
     /// Bytes that they hold.
     pub(super) fn memory_bytes(&self) -> usize {
-        let lines: usize = self.lines.iter().map(Lines::memory_bytes).sum();
-        size_of_val(&*self.sites) + size_of_val(&*self.which) + lines
+        size_of_val(&*self.sites) + size_of_val(&*self.which) + Lines::all_bytes(&self.lines)
     }
 }
 
-/// See [`AlikeRows::rates`].
+/// See [`SharedRows::rates`].
 struct Rates<'a, W> {
     lines: &'a [Lines],
     sites: &'a [u32],
@@ -119,30 +120,40 @@ mod tests {
 
     #[test]
     fn rows_give_the_same_rates_with_lines_and_with_weights_of_their_own() {
-        for counts in [[40, 1, 1], [16, 12, 1], [12, 10, 9]] {
+        for (counts, interface) in [
+            ([40, 1, 1], 0.45),
+            ([40, 1, 1], 3.75),
+            ([16, 12, 1], 0.45),
+            ([16, 12, 1], 1.45),
+            ([12, 10, 9], 0.45),
+        ] {
             let dimension = counts.iter().filter(|&&count| count > 1).count();
             let mut problem = scenes::lattice(KernelKind::WendlandC4, dimension, counts, 0.1, 2.5);
+            problem.domain.periodic[1] = dimension == 2;
             problem.materials.push(Material::diffusive("sand", 0.3, 1000.0));
             let count = problem.particles.len();
             for particle in 0..count {
                 let position = problem.particles.position[particle];
-                problem.particles.material[particle] = u16::from(position.x > 0.45);
+                problem.particles.material[particle] = u16::from(position.x > interface);
             }
             problem.held = vec![3, (count / 2) as u32];
             let (_, all) = MixedScene::of(&problem).expect("a lattice").assemble(&problem);
             let mut rest = all.clone();
-            let alike = AlikeRows::take_from(&mut rest, count);
+            let shared = SharedRows::take_from(&mut rest, count);
             let state: Vec<f64> = (0..count).map(|k| ((37 * k) % 101) as f64).collect();
             for sites in [0..count, 5..count / 2] {
                 let mut expected = Vec::new();
                 let of_all = |site, rate| expected.push((site, rate));
                 all.rates(&sites, &mut 0, &state, &[], of_all);
                 let mut found = Vec::new();
-                alike.rates(&sites, &mut 0, &state, |site, rate| found.push((site, rate)));
+                shared.rates(&sites, &mut 0, &state, |site, rate| found.push((site, rate)));
                 if dimension > 1 {
-                    let (lines, all) = (alike.lines.len(), alike.sites.len());
-                    assert!(3 * lines < 2 * all, "{counts:?}: {lines} of {all}");
-                    assert!(2 * found.len() > expected.len(), "{counts:?}: most are alike");
+                    let (lines, all) = (shared.lines.len(), shared.sites.len());
+                    assert!(3 * lines < 2 * all, "{counts:?}, {interface}: {lines} of {all}");
+                    assert!(
+                        2 * found.len() > expected.len(),
+                        "{counts:?}, {interface}: most are shared"
+                    );
                 }
                 rest.rates(&sites, &mut 0, &state, &[], |site, rate| found.push((site, rate)));
                 found.sort_by_key(|&(site, _)| site);
@@ -159,16 +170,16 @@ mod tests {
             };
             let of_all = diagonals(&|write| all.diagonals(write));
             let of_both = diagonals(&|write| {
-                alike.diagonals(&mut *write);
+                shared.diagonals(&mut *write);
                 rest.diagonals(write);
             });
             for (one, other) in of_all.iter().zip(&of_both) {
                 assert!((one - other).abs() <= 1e-13 * one.abs());
             }
-            for (k, &site) in alike.sites.iter().enumerate() {
+            for (k, &site) in shared.sites.iter().enumerate() {
                 let (lines, site) =
-                    (alike.at(site as usize, &mut 0).expect("a row"), site as usize);
-                assert!(std::ptr::eq(lines, &alike.lines[usize::from(alike.which[k])]));
+                    (shared.at(site as usize, &mut 0).expect("a row"), site as usize);
+                assert!(std::ptr::eq(lines, &shared.lines[usize::from(shared.which[k])]));
                 let (others, weights) = all.entries_of(site, &mut 0).expect("a row");
                 let mut entries: Vec<_> =
                     others.iter().map(|&b| b as usize).zip(weights.iter().copied()).collect();
@@ -178,7 +189,15 @@ mod tests {
                 assert_eq!(of_lines, entries);
                 assert!(rest.entries_of(site, &mut 0).is_none());
             }
-            assert!(alike.at(3, &mut 0).is_none(), "held");
+            assert!(shared.at(3, &mut 0).is_none(), "held");
+            // Of lines that would end behind the last site nothing is shared.
+            let at_end = |site: usize| {
+                all.entries_of(site, &mut 0)
+                    .is_some_and(|(others, _)| others.contains(&(count as u32 - 1)))
+            };
+            let ends = (0..count).filter(|&site| at_end(site));
+            assert!(ends.clone().all(|site| shared.at(site, &mut 0).is_none()));
+            assert_eq!(ends.count() > 0, interface > 1.0);
         }
     }
 }
