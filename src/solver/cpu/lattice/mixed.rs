@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::around::Around;
-use super::kernel::{Run, Scratch, Seen};
+use super::kernel::{Part, Run, Scratch, Seen};
 use super::shared_rows::SharedRows;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, seek, within_near};
 use crate::solver::cpu::entries::{Entries, Near};
-use crate::solver::cpu::operator::{Combine, Now, RATE};
+use crate::solver::cpu::operator::{Combine, Now};
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
 /// them, since a short part of a line costs as much as a long one.
@@ -52,23 +52,24 @@ impl Mixed {
         let start = |k: usize| ratios.get(k).map_or(usize::MAX, |&(first, _)| first as usize);
         let seen = &mut scratch.seen.parts;
         *seen = seek(ratios, *seen, |&(first, _)| first as usize <= sites.start);
-        let mut part = *seen;
-        let factor = |part: usize| if part > 0 { ratios[part - 1].1 } else { 1.0 };
-        if start(part) >= sites.end {
-            scratch.work(&self.scene.lattice, now.values, run, combine.times(factor(part)), out);
+        let next = *seen;
+        let factor = |next: usize| if next > 0 { ratios[next - 1].1 } else { 1.0 };
+        let lattice = &self.scene.lattice;
+        if start(next) >= sites.end {
+            scratch.work(lattice, now.values, run, combine.times(factor(next)), out);
             return;
         }
-        scratch.work(&self.scene.lattice, now.values, run, RATE, out);
-        let mut from = sites.start;
-        while from < sites.end {
-            let to = start(part).min(sites.end);
-            let combine = combine.times(factor(part));
-            if combine != RATE {
-                let of_part = &mut out[from - sites.start..to - sites.start];
-                combine.write(&now.values[from..to], of_part);
+        let mut parts = std::mem::take(&mut scratch.parts);
+        parts.clear();
+        for next in next.. {
+            let end = start(next).min(sites.end) - sites.start;
+            parts.push(Part { end, combine: combine.times(factor(next)) });
+            if end == run.length {
+                break;
             }
-            (from, part) = (to, part + 1);
         }
+        scratch.work_in_parts(lattice, now.values, run, &parts, out);
+        scratch.parts = parts;
     }
 
     /// Writes what the stencil does not describe at `sites`; returns what held particles gave.

@@ -63,6 +63,14 @@ impl Run {
     }
 }
 
+/// What is written along a part of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Where it ends, from the first site of the run on: it begins where that before it ends.
+    pub(super) end: usize,
+    pub(super) combine: Combine,
+}
+
 /// What working on runs needs beside what it reads and writes.
 #[derive(Debug)]
 pub(in crate::solver::cpu) struct Scratch {
@@ -70,6 +78,8 @@ pub(in crate::solver::cpu) struct Scratch {
     /// P_0, Q_1, Q_2, ... from `reach` before the run on.
     sums: Vec<Vec<f64>>,
     ends: Vec<NearEnd>,
+    /// Room for what is written along parts of a run.
+    pub(super) parts: Vec<Part>,
     /// Where exceptions were looked for last.
     pub(super) seen: Seen,
 }
@@ -93,6 +103,7 @@ impl Scratch {
             members: MembersOf::default(),
             sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; scene.reach + 1],
             ends: NearEnd::all(scene),
+            parts: Vec::new(),
             seen: Seen::default(),
         }
     }
@@ -106,7 +117,20 @@ impl Scratch {
         combine: Combine,
         out: &mut [f64],
     ) {
-        let around = Around { scene, state, run, members: self.members.of(scene, run), combine };
+        let whole = [Part { end: run.length, combine }];
+        self.work_in_parts(scene, state, run, &whole, out);
+    }
+
+    /// The same with `parts` that end where the run does.
+    pub(super) fn work_in_parts(
+        &mut self,
+        scene: &LatticeScene,
+        state: &[f64],
+        run: &Run,
+        parts: &[Part],
+        out: &mut [f64],
+    ) {
+        let around = Around { scene, state, run, members: self.members.of(scene, run), parts };
         wide::run(Along { around, sums: &mut self.sums, ends: &self.ends, out });
     }
 }
@@ -142,7 +166,7 @@ struct Around<'a> {
     state: &'a [f64],
     run: &'a Run,
     members: &'a Members,
-    combine: Combine,
+    parts: &'a [Part],
 }
 
 impl Around<'_> {
@@ -216,18 +240,33 @@ impl Around<'_> {
         let run = self.run;
         let lower = REACH.saturating_sub(run.first).min(run.length);
         let upper = run.length.min((self.state.len() - run.first).saturating_sub(REACH)).max(lower);
-        let length = upper - lower;
-        if length == 0 {
-            return;
-        }
-        let own = &self.state[run.first + lower..][..length];
-        let steps: [&[f64]; REACH] =
-            std::array::from_fn(|k| &sums[k + 1][lower..][..length + 2 * REACH]);
         let along: [f64; REACH] = std::array::from_fn(|k| self.members.along[k + 1]);
-        let sums = AlongSums { own, here: &sums[0][lower + REACH..][..length], steps, along };
-        match self.combine.has_two_factors() {
-            true => sums.write::<true, FUSED>(self.combine, &mut out[lower..upper]),
-            false => sums.write::<false, FUSED>(self.combine, &mut out[lower..upper]),
+        let mut from = lower;
+        for &Part { end, combine } in self.parts {
+            let to = end.min(upper);
+            if to <= from {
+                continue;
+            }
+            let length = to - from;
+            let own = &self.state[run.first + from..][..length];
+            let steps: [&[f64]; REACH] =
+                std::array::from_fn(|k| &sums[k + 1][from..][..length + 2 * REACH]);
+            let here = &sums[0][from + REACH..][..length];
+            let sums = AlongSums { own, here, steps, along };
+            match combine.has_two_factors() {
+                true => sums.write::<true, FUSED>(combine, &mut out[from..to]),
+                false => sums.write::<false, FUSED>(combine, &mut out[from..to]),
+            }
+            from = to;
+        }
+    }
+
+    /// What is written at a place of the run.
+    #[inline(always)]
+    fn combine(&self, local: usize) -> Combine {
+        match self.parts {
+            [whole] => whole.combine,
+            parts => parts[parts.partition_point(|part| part.end <= local)].combine,
         }
     }
 
@@ -252,7 +291,7 @@ impl Around<'_> {
                     };
                     rate += term.factor * sum - self.members.along[term.step] * own;
                 }
-                out[local] = self.combine.of(own, rate);
+                out[local] = self.combine(local).of(own, rate);
             }
         }
     }
