@@ -124,7 +124,7 @@ impl PathChoice {
 }
 
 /// Whether a step of the mixed path is expected to be faster than one of the list: the stencil goes
-/// over all sites, and a stored row costs what it costs in the list.
+/// over all sites, and a row of its own costs what it costs in the list, or on a CPU less, where others share it.
 ///
 /// Measured in 3-D with 25 neighbours, 720 000 to 1 000 000 particles: boxes with holes and slabs of
 /// two materials, of which 5.4, 31.5 and 57.8 % (holes) and 18.0, 38.0 and 66.0 % (slabs) have rows,

@@ -163,16 +163,10 @@ mod tests {
                     assert!((rate - expected).abs() < 1e-10, "{site}: {rate}");
                 }
             }
-            let diagonals = |rows: &dyn Fn(&mut dyn FnMut(usize, f64))| {
-                let mut found = vec![0.0; count];
-                rows(&mut |site, diagonal| found[site] = diagonal);
-                found
-            };
-            let of_all = diagonals(&|write| all.diagonals(write));
-            let of_both = diagonals(&|write| {
-                shared.diagonals(&mut *write);
-                rest.diagonals(write);
-            });
+            let (mut of_all, mut of_both) = (vec![0.0; count], vec![0.0; count]);
+            all.diagonals(|site, diagonal| of_all[site] = diagonal);
+            shared.diagonals(|site, diagonal| of_both[site] = diagonal);
+            rest.diagonals(|site, diagonal| of_both[site] = diagonal);
             for (one, other) in of_all.iter().zip(&of_both) {
                 assert!((one - other).abs() <= 1e-13 * one.abs());
             }
