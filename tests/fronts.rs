@@ -26,7 +26,7 @@ use support::on_gpu;
 const STEPS: u32 = 30;
 
 /// A sheet of `counts` particles that is hot on both sides of where two periodic ends meet, beside held
-/// particles; with a hole, or of two materials.
+/// particles; perhaps with a hole, perhaps of two materials.
 fn sheet(counts: [u32; 2], hole: bool, two: bool) -> Scene {
     let [x, y] = counts.map(|count| f64::from(count) * 0.01);
     let disc = |radius: f64, part: f64| json!({ "sphere": { "center": [part * x, 0.5 * y], "radius": radius * x } });
@@ -120,7 +120,7 @@ fn paths_agree(scene: &Scene, path: &str, name: &str) {
     let (report, on_sites) = temperatures(scene, &Machine::Cpu, PathWish::Lattice);
     let (by_list, listed) = temperatures(scene, &Machine::Cpu, PathWish::List);
     assert_eq!(&*report.path, path, "{name}");
-    assert!(report.front.expect("it melts").liquid_volume > 0.0);
+    assert!(report.front.expect("it melts").liquid_volume > 0.0, "{name}");
     let off = furthest(&on_sites, &listed);
     assert!(off < 1e-9, "{name}: {off:e} K");
     for report in [report, by_list] {
@@ -128,7 +128,7 @@ fn paths_agree(scene: &Scene, path: &str, name: &str) {
         assert!(drift < 1e-12, "{name}, {}: {drift:e}", report.path);
     }
     let (_, without) = temperatures(&heun(scene), &Machine::Cpu, PathWish::List);
-    assert!(furthest(&without, &listed) > 0.1, "fronts are noticed");
+    assert!(furthest(&without, &listed) > 0.1, "{name}: fronts are noticed");
 }
 
 #[test]

@@ -230,23 +230,24 @@ fn scenes_thinner_than_the_support_agree() {
     }
 }
 
-/// Empty sites that are passed over, and lines longer than what is worked on at once.
+/// Empty sites that are passed over, and lines longer than what is worked on at once, through one material and two.
 #[test]
 fn long_gaps_and_long_lines_agree() {
     let whole = json!({ "box": { "min": [0, 0], "max": [1250, 5] } });
     let hole = json!({ "box": { "min": [200, 1], "max": [400, 4] } });
     let notch = json!({ "box": { "min": [900, 3], "max": [960, 5] } });
-    let holed = cut(&whole, &[hole, notch]);
-    for support_ratio in [2.0, 3.7] {
+    let part = |from: u32, to: u32| json!({ "box": { "min": [from, 0], "max": [to, 5] } });
+    let one = vec![(cut(&whole, &[hole.clone(), notch.clone()]), 0.7)];
+    let two = vec![(cut(&part(0, 700), &[hole]), 0.7), (cut(&part(700, 1250), &[notch]), 0.2)];
+    for (support_ratio, shapes) in [(2.0, &one), (3.7, &one), (2.0, &two), (3.7, &two)] {
         for boundary in [
             json!({ "periodic": { "axes": ["x", "y"] } }),
             json!({ "wall": { "faces": faces(&["x", "y"]), "kind": { "value": "300 + x" } } }),
         ] {
-            let shapes = [(holed.clone(), 0.7)];
-            let problem = scene(KernelKind::WendlandC2, support_ratio, 2, &shapes, &[boundary]);
+            let problem = scene(KernelKind::WendlandC2, support_ratio, 2, shapes, &[boundary]);
             let found = MixedScene::of(&problem).expect("mixed");
             assert!(found.absent.iter().any(|gap| gap.len() > 700), "{:?}", found.absent.len());
-            agree(&problem, &format!("{support_ratio}"));
+            agree(&problem, &format!("{support_ratio}, {} materials", shapes.len()));
         }
     }
 }

@@ -56,8 +56,8 @@ pub fn choose(first: bool, one: f64, other: f64) -> f64 {
     f64::from_bits((mask & one.to_bits()) | (!mask & other.to_bits()))
 }
 
-/// The sum of what was added up side by side: one after the other, since compilers take apart what is added in
-/// pairs, and then work on two at once.
+/// The sum of what was added up side by side: one after the other. If it were added in pairs, compilers would split the
+/// loop before it in halves too, and work on two values at once in place of four.
 #[inline(always)]
 pub fn sum_of(lanes: [f64; 4]) -> f64 {
     lanes.iter().sum()

@@ -99,8 +99,8 @@ impl RowBlock {
         // beginning would stall on memory that the processor has not fetched ahead.
         let (last_index, last_weight) = (index.remainder(), weight.remainder());
         // SAFETY, here and below: only `Walk::note` fills `index`, with ranks that it has looked up in
-        // the order of the particles (`retain` keeps some of these), and callers have compared the length of that with the length
-        // of `state`.
+        // the order of the particles (`retain` keeps some of these), and callers have compared the
+        // length of that with the length of `state`.
         for (b, w) in index.zip(weight) {
             prefetch(w.as_ptr().wrapping_add(AHEAD));
             prefetch(b.as_ptr().wrapping_add(AHEAD));

@@ -139,8 +139,8 @@ impl<'a> LocalsMut<'a> {
 }
 
 impl Seams {
-    /// Those of `problem`, with the place of each particle; `None` where there are none. Particles on the sites of a
-    /// lattice have its distances, so that those of positions do not keep rows apart by their last digits.
+    /// Those of `problem`, with the place of each particle; `None` where there are none. If they are to be `on_sites` of
+    /// a lattice, pairs have its distances, so that those of positions do not keep rows apart by their last digits.
     pub fn of(problem: &Problem, place: &[u32], on_sites: bool) -> Option<Self> {
         if problem.has_one_curve() {
             return None;

@@ -120,8 +120,8 @@ impl SomeRows {
         self.blocks.len()
     }
 
-    /// Rank, neighbours and their weights (1/s) of those rows of a block that are of free particles, and to which neither
-    /// walls nor sources add anything.
+    /// Rank, neighbours and their weights (1/s) of those rows of a block that are of free particles, and to
+    /// which neither walls nor sources add anything.
     pub fn plain_rows(&self, block: usize) -> impl Iterator<Item = (u32, &[u32], &[f64])> {
         let (first, rows) = (self.first[block], self.blocks[block].rows());
         let ranks = self.rank[first..].iter().zip(&self.wall_row[first..]);

@@ -100,5 +100,11 @@ mod tests {
         }
         assert_eq!(all.which([(-1, 1.0)].into_iter()), None);
         assert_eq!(all.which([(3, 1.0)].into_iter()), Some(3));
+        let mut part = LinesFinder::of_part();
+        for step in 0..MOST_OF_PART as isize {
+            assert!(part.which([(step - 1, 1.0)].into_iter()).is_some());
+        }
+        assert_eq!(part.which([(-2, 1.0)].into_iter()), None);
+        assert_eq!(all.take(part)[..3], [None, Some(0), Some(1)]);
     }
 }

@@ -88,7 +88,7 @@ impl Plan {
         Self { left_out: plan.left_out(problem, entries), ..plan }
     }
 
-    /// Bytes of the rows of the mixed path, about: with the mean number of neighbours.
+    /// Bytes of the rows of the mixed path, about: with the mean number of neighbours, and as if none shared lines.
     fn bytes_of_rows(&self, problem: &Problem, entries: u64) -> u64 {
         let rows = self.mixed.map_or(0, |mixed| mixed.rows);
         let real = self.machine.precision().bytes();

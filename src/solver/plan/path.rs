@@ -130,7 +130,7 @@ impl PathChoice {
 /// two materials, of which 5.4, 31.5 and 57.8 % (holes) and 18.0, 38.0 and 66.0 % (slabs) have rows,
 /// ran 4.6, 2.3, 1.07 and 2.6, 1.8, 1.09 times as fast as the list; this expects 3.8, 1.8, 1.17 and
 /// 2.6, 1.7, 1.16. The round shipped cases, 17 to 31 % rows in 52 to 64 % of their box: 2.1, 1.8, 1.5
-/// against 2.1, 1.4, 1.5.
+/// against 2.1, 1.4, 1.5. That was before rows shared lines on the CPU, where it errs towards the list now.
 fn pays(scene: &MixedScene, particles: usize) -> bool {
     let rows = scene.rows() as f64 / particles as f64;
     STENCIL_COST / scene.filled() + rows < WORTH_IT

@@ -52,23 +52,18 @@ impl Mixed {
         let start = |k: usize| ratios.get(k).map_or(usize::MAX, |&(first, _)| first as usize);
         let seen = &mut scratch.seen.parts;
         *seen = seek(ratios, *seen, |&(first, _)| first as usize <= sites.start);
-        let next = *seen;
-        let factor = |next: usize| if next > 0 { ratios[next - 1].1 } else { 1.0 };
-        let lattice = &self.scene.lattice;
-        if start(next) >= sites.end {
-            scratch.work(lattice, now.values, run, combine.times(factor(next)), out);
-            return;
-        }
+        let factor_before = |next: usize| if next > 0 { ratios[next - 1].1 } else { 1.0 };
+        let first = *seen;
         let mut parts = std::mem::take(&mut scratch.parts);
         parts.clear();
-        for next in next.. {
+        for next in first.. {
             let end = start(next).min(sites.end) - sites.start;
-            parts.push(Part { end, combine: combine.times(factor(next)) });
+            parts.push(Part { end, combine: combine.times(factor_before(next)) });
             if end == run.length {
                 break;
             }
         }
-        scratch.work_in_parts(lattice, now.values, run, &parts, out);
+        scratch.work_in_parts(&self.scene.lattice, now.values, run, &parts, out);
         scratch.parts = parts;
     }
 

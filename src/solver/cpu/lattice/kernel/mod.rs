@@ -130,6 +130,7 @@ impl Scratch {
         parts: &[Part],
         out: &mut [f64],
     ) {
+        debug_assert_eq!(parts.last().map(|part| part.end), Some(run.length), "all is written");
         let around = Around { scene, state, run, members: self.members.of(scene, run), parts };
         wide::run(Along { around, sums: &mut self.sums, ends: &self.ends, out });
     }
