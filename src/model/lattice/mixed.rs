@@ -16,10 +16,10 @@ use super::regular::{Ends, NOTHING, Near, kinds, regular};
 use super::scene::{ON_SITE, ON_SITE_BY_WALLS, check_volume, counts, order, sites_of, stencil};
 use super::survey::Alike;
 use super::{ABSENT, LatticeScene};
-use crate::model::Problem;
 use crate::model::neighbors::Neighbor;
 use crate::model::operator::rows::Survey;
 use crate::model::operator::{FoldNeeds, PairWeight, SomeRows, Visit};
+use crate::model::{Material, Problem};
 
 /// The least part of the box that particles have to fill: below it the states of the empty sites
 /// would take as much memory as the list.
@@ -42,6 +42,8 @@ pub struct MixedScene {
     alike: Vec<Alike>,
     /// How many particles there are.
     particles: usize,
+    /// Diffusivity of the stencil, m2/s.
+    base: f64,
 }
 
 impl MixedScene {
@@ -92,8 +94,9 @@ impl MixedScene {
             visits: Vec::new(),
             alike: Vec::new(),
             particles,
+            base: problem.materials[usize::from(problem.particles.material[base])].diffusivity(),
         };
-        scene.sort_out(problem, &kinds, &regular, base, has_sources);
+        scene.sort_out(problem, &kinds, &regular, has_sources);
         Ok(scene)
     }
 
@@ -103,12 +106,11 @@ impl MixedScene {
         problem: &Problem,
         kinds: &[u16],
         regular: &[bool],
-        base: usize,
         has_sources: impl Fn([usize; 3], usize) -> bool,
     ) {
         let held = self.lattice.held_sites(&problem.held);
         let mut held = held.into_iter().peekable();
-        let mut known = Known::new(problem, &self.lattice, base);
+        let mut known = Known::new(&self.lattice);
         for (site, (&kind, &regular)) in kinds.iter().zip(regular).enumerate() {
             let rank = site as u32;
             let is_held = held.next_if_eq(&rank).is_some();
@@ -124,7 +126,7 @@ impl MixedScene {
                 if has_sources(at, self.lattice.particle(site)) {
                     self.visits.push(Visit { rank, whole: false });
                 }
-                let alike = known.add(problem, &self.lattice, site, at, kind);
+                let alike = known.add(problem, self, site, at, kind);
                 if self.ratios.last().is_none_or(|(_, before)| *before != alike.ratio) {
                     let from = if self.ratios.is_empty() { 0 } else { rank };
                     self.ratios.push((from, alike.ratio));
@@ -163,6 +165,11 @@ impl MixedScene {
         let (mut survey, rows) = SomeRows::assemble(problem, order, &self.visits, neighbors);
         self.alike.iter().for_each(|alike| self.lattice.note(problem, alike, &mut survey));
         (survey.with_sources(problem), rows)
+    }
+
+    /// How many times the diffusivity of the stencil that of a material is.
+    pub fn ratio(&self, material: &Material) -> f64 {
+        material.diffusivity() / self.base
     }
 
     /// Bytes that it holds, but for the order of its lattice.
@@ -204,26 +211,23 @@ struct Known {
     last: Option<(([usize; 3], u16), usize)>,
     /// By axis: the kind of each place.
     place: [Vec<usize>; 3],
-    /// Diffusivity of the stencil.
-    base: f64,
 }
 
 impl Known {
-    fn new(problem: &Problem, lattice: &LatticeScene, base: usize) -> Self {
+    fn new(lattice: &LatticeScene) -> Self {
         let kind = |axis: usize| {
             let places = 0..lattice.counts[axis];
             places.map(|place| lattice.kind_of_place(axis, place)).collect()
         };
-        let base = problem.materials[usize::from(problem.particles.material[base])].diffusivity();
         let place = [0, 1, 2].map(kind);
-        Self { alike: Vec::new(), index: HashMap::new(), last: None, place, base }
+        Self { alike: Vec::new(), index: HashMap::new(), last: None, place }
     }
 
     /// Adds a site of this kind; returns those that it is like.
     fn add(
         &mut self,
         problem: &Problem,
-        lattice: &LatticeScene,
+        scene: &MixedScene,
         site: usize,
         at: [usize; 3],
         kind: u16,
@@ -232,8 +236,8 @@ impl Known {
         let index = match self.last {
             Some((last, index)) if last == key => index,
             _ => *self.index.entry(key).or_insert_with(|| {
-                let mass = problem.mass(lattice.particle(site));
-                let ratio = problem.materials[usize::from(kind)].diffusivity() / self.base;
+                let mass = problem.mass(scene.lattice.particle(site));
+                let ratio = scene.ratio(&problem.materials[usize::from(kind)]);
                 self.alike.push(Alike { at, count: 0, free: true, mass, ratio });
                 self.alike.len() - 1
             }),

@@ -21,7 +21,7 @@ pub use bodies::floating_bodies;
 pub use fronts::{Front, Fronts};
 pub use interfaces::ContactResistance;
 pub use pair_mean::PairMean;
-pub use seams::{Local, Locals, LocalsMut, Seam, Seams};
+pub use seams::{Local, Locals, LocalsMut, Seam, SeamGroup, Seams};
 pub use some_rows::{SomeRows, Visit, seek, take_below, within, within_near};
 pub use source_rows::{FoldNeeds, SourceRows};
 pub use weight::{Correction, PairWeight};

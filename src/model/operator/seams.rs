@@ -15,27 +15,29 @@ use super::fold::RowFold;
 use super::rows::{Walk, cell_grid, tasks};
 use crate::model::material::Material;
 use crate::model::neighbors::{CellGrid, Scratch};
-use crate::model::wide::{self, Work, multiply_add, sum_of};
+use crate::model::wide::{self, Work, multiply_add};
 use crate::model::{PairMean, Problem};
 
 /// Rows that one parallel task works on.
 const ROWS_OF_A_TASK: usize = 1 << 9;
 
-/// Rows of a line.
-const LANES: usize = 4;
+/// Rows of one kind that are worked on together.
+const FEW: usize = 4;
 
-/// The pairs of different materials, row by row.
+/// The pairs of different materials, row by row: those of one material follow each other, so that neighbours of a row
+/// do too.
 #[derive(Clone, Debug)]
 pub struct Seams {
     pair_mean: PairMean,
     materials: Vec<Material>,
-    /// Ascending.
+    groups: Vec<SeamGroup>,
+    /// By row, ascending in each group.
     places: Vec<u32>,
-    /// By place: which one of the kinds. Of a lattice many rows are of one.
+    /// By row: which one of the kinds. Of a lattice many rows are of one.
     rows: Vec<u32>,
     kinds: Vec<Kind>,
-    /// The lines of kinds, one kind after the other.
-    lines: Vec<Line>,
+    /// The pairs of kinds, one kind after the other.
+    pairs: Vec<Pair>,
 }
 
 /// A particle that has neighbours of other materials.
@@ -49,28 +51,37 @@ pub struct Seam {
     pub pairs: Vec<(u32, u16, f64)>,
 }
 
+/// The rows of particles of one material.
+#[derive(Clone, Debug)]
+pub struct SeamGroup {
+    /// The material.
+    pub material: u16,
+    /// Which rows.
+    pub rows: Range<usize>,
+}
+
 /// Rows that differ in their place alone.
 #[derive(Clone, Debug)]
 struct Kind {
     material: u16,
     /// Capacity where the particle is held, else none.
     held: Option<f64>,
-    /// How many rows further the first of its lines begins, and how far the last of them ends from there.
+    /// How many rows further the first of its neighbours is, and how far the last is behind that.
     first: isize,
     span: usize,
-    /// Which lines it has.
-    lines: Range<usize>,
+    /// Which pairs it has.
+    pairs: Range<usize>,
 }
 
-/// Rows that follow each other, some of which are of neighbours.
-#[derive(Clone, Copy, Debug, Default)]
-struct Line {
-    /// How far it begins from the first of its kind.
+/// A row with one of its neighbours.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    /// How many rows further than the first of the neighbours this one is.
     ahead: usize,
-    /// The weights, 1/s; 0 where there is no neighbour.
-    weights: [f64; LANES],
-    /// These over the mean of the reference conductivities.
-    over_mean: [f64; LANES],
+    /// The weight, 1/s.
+    weight: f64,
+    /// This over the mean of the reference conductivities.
+    over_mean: f64,
 }
 
 /// What the particle of a row is like.
@@ -87,7 +98,7 @@ pub struct Local {
 /// What the particles of rows are like.
 #[derive(Clone, Debug, Default)]
 pub struct Locals {
-    /// By row, and as many as a line may go over behind the last one.
+    /// By row.
     temperatures: Vec<f64>,
     potentials: Vec<f64>,
     terms: Vec<f64>,
@@ -102,6 +113,13 @@ pub struct LocalsMut<'a> {
 }
 
 impl Locals {
+    /// Those of all rows, which are still to be written.
+    pub fn of(seams: &Seams) -> Self {
+        let count = seams.places.len();
+        let [temperatures, potentials, terms] = [(); 3].map(|()| vec![0.0; count]);
+        Self { temperatures, potentials, terms }
+    }
+
     /// All of them.
     pub fn all_mut(&mut self) -> LocalsMut<'_> {
         let Self { temperatures, potentials, terms } = self;
@@ -117,20 +135,17 @@ impl Locals {
     }
 }
 
-impl<'a> LocalsMut<'a> {
+impl LocalsMut<'_> {
     /// Takes those of the next rows out.
     pub fn take(&mut self, rows: usize) -> Self {
-        let take = |rest: &mut &'a mut [f64]| {
-            let (taken, others) = std::mem::take(rest).split_at_mut(rows);
-            *rest = others;
-            taken
-        };
         let Self { temperatures, potentials, terms } = self;
-        Self { temperatures: take(temperatures), potentials: take(potentials), terms: take(terms) }
+        let [temperatures, potentials, terms] = [temperatures, potentials, terms]
+            .map(|rest| rest.split_off_mut(..rows).expect("as many rows as there are"));
+        Self { temperatures, potentials, terms }
     }
 
     /// Takes note of what one of them is like, counted from the first.
-    #[inline]
+    #[inline(always)]
     pub fn set(&mut self, row: usize, Local { temperature, potential, term }: Local) {
         self.temperatures[row] = temperature;
         self.potentials[row] = potential;
@@ -192,19 +207,26 @@ impl Seams {
             found
         };
         let mut found: Vec<_> = tasks(&grid).into_par_iter().flat_map_iter(of_cells).collect();
-        found.par_sort_unstable_by_key(|&(a, _)| place[a]);
+        found.par_sort_unstable_by_key(|&(a, _)| (material(a), place[a]));
         if found.is_empty() {
             return None;
+        }
+        let (mut groups, mut end) = (Vec::new(), 0);
+        for of_one in found.chunk_by(|&(a, _), &(b, _)| material(a) == material(b)) {
+            let rows = end..end + of_one.len();
+            end = rows.end;
+            groups.push(SeamGroup { material: material(of_one[0].0), rows });
         }
         let mut row_of = HashMap::with_capacity(found.len());
         row_of.extend((0..).zip(&found).map(|(row, &(a, _))| (a, row)));
         let mut seams = Self {
             pair_mean: problem.pair_mean,
             materials: problem.materials.clone(),
+            groups,
             places: found.iter().map(|&(a, _)| place[a]).collect(),
             rows: Vec::with_capacity(found.len()),
             kinds: Vec::new(),
-            lines: Vec::new(),
+            pairs: Vec::new(),
         };
         let mut kinds = HashMap::new();
         for (row, (a, pairs)) in (0_isize..).zip(&found) {
@@ -224,36 +246,28 @@ impl Seams {
     /// Adds a kind, with how many rows further, material and weight (1/s) of each neighbour; rows ascend.
     fn add_kind(&mut self, material: u16, held: Option<f64>, pairs: &[(isize, u16, f64)]) -> u32 {
         let conductivity = |of: u16| self.materials[usize::from(of)].conductivity;
-        let first = pairs.first().map_or(0, |&(step, ..)| step);
-        let mut lines: Vec<Line> = Vec::new();
+        let step = |pair: Option<&(isize, u16, f64)>| pair.map_or(0, |&(step, ..)| step);
+        let (first, last) = (step(pairs.first()), step(pairs.last()));
+        let begin = self.pairs.len();
         for &(step, of_other, weight) in pairs {
             let mean = self.pair_mean.of(conductivity(material), conductivity(of_other));
-            let ahead = (step - first) as usize;
-            if lines.last().is_none_or(|last| ahead >= last.ahead + LANES) {
-                lines.push(Line { ahead, ..Line::default() });
-            }
-            if let Some(last) = lines.last_mut() {
-                let lane = ahead - last.ahead;
-                last.weights[lane] += weight;
-                // What does not conduct at all has no weight.
-                last.over_mean[lane] += if mean > 0.0 { weight / mean } else { 0.0 };
-            }
+            // What does not conduct at all has no weight.
+            let over_mean = if mean > 0.0 { weight / mean } else { 0.0 };
+            self.pairs.push(Pair { ahead: (step - first) as usize, weight, over_mean });
         }
-        let span = lines.last().map_or(0, |last| last.ahead + LANES);
-        let of_kind = self.lines.len()..self.lines.len() + lines.len();
-        self.lines.extend(lines);
-        self.kinds.push(Kind { material, held, first, span, lines: of_kind });
+        let (span, pairs) = ((last - first) as usize, begin..self.pairs.len());
+        self.kinds.push(Kind { material, held, first, span, pairs });
         self.kinds.len() as u32 - 1
     }
 
-    /// The places of its rows, ascending.
-    pub fn places(&self) -> &[u32] {
-        &self.places
+    /// The rows of each material.
+    pub fn groups(&self) -> &[SeamGroup] {
+        &self.groups
     }
 
-    /// The material of a row.
-    pub fn material(&self, row: usize) -> usize {
-        usize::from(self.kind(row).material)
+    /// The places of its rows, which ascend among those of a material.
+    pub fn places(&self) -> &[u32] {
+        &self.places
     }
 
     #[inline(always)]
@@ -263,23 +277,22 @@ impl Seams {
 
     /// What the particle of a row is like with an enthalpy (K).
     pub fn local(&self, row: usize, enthalpy: f64) -> Local {
-        let material = &self.materials[self.material(row)];
+        let material = &self.materials[usize::from(self.kind(row).material)];
         let plain = || [enthalpy, enthalpy, material.conductivity];
         let [temperature, potential, conductivity] =
             material.curve.as_ref().map_or_else(plain, |curve| curve.state(enthalpy));
-        self.local_of([temperature, potential, conductivity])
+        Local { temperature, potential, term: self.term(conductivity) }
     }
 
-    /// The same with a temperature (K), a potential (K) and a conductivity (W/(m K)).
-    pub fn local_of(&self, [temperature, potential, conductivity]: [f64; 3]) -> Local {
-        Local { temperature, potential, term: self.pair_mean.term(conductivity) }
+    /// What is needed of a conductivity (W/(m K)) of one of a pair.
+    #[inline(always)]
+    pub fn term(&self, conductivity: f64) -> f64 {
+        self.pair_mean.term(conductivity)
     }
 
     /// What all of them are like, which `local` tells of a row and its place.
     pub fn locals(&self, local: impl Fn(usize, usize) -> Local + Sync) -> Locals {
-        let (count, with_ends) = (self.places.len(), self.places.len() + LANES - 1);
-        let [temperatures, potentials, terms] = [(); 3].map(|()| vec![0.0; with_ends]);
-        let mut locals = Locals { temperatures, potentials, terms };
+        let (count, mut locals) = (self.places.len(), Locals::of(self));
         let mut rest = locals.all_mut();
         let parts = (0..count).step_by(ROWS_OF_A_TASK).map(|first| {
             let rows = first..count.min(first + ROWS_OF_A_TASK);
@@ -292,18 +305,16 @@ impl Seams {
         locals
     }
 
-    /// Adds `factor` times what rates of some rows are short of, where their neighbours are like `locals`, to those of
-    /// places from `first` on, but not for held particles; returns `factor` times what these gave beyond what the
-    /// matrix knows, value x capacity / s.
+    /// Calls `add(place, potential, rate)` for some rows of free particles with what their rates are short of, where
+    /// particles are like `locals`; returns what held particles gave beyond what the matrix knows,
+    /// value x capacity / s.
     pub fn add(
         &self,
         rows: Range<usize>,
         locals: &Locals,
-        factor: f64,
-        first: usize,
-        rates: &mut [f64],
+        add: impl FnMut(usize, f64, f64),
     ) -> f64 {
-        wide::run(AddSeams { of: self, rows, locals, factor, first, rates })
+        wide::run(AddSeams { of: self, rows, locals, add })
     }
 
     /// Its rows.
@@ -311,36 +322,31 @@ impl Seams {
         (0..self.rows.len()).map(|row| {
             let kind = self.kind(row);
             let first = row.wrapping_add_signed(kind.first);
-            let mut pairs = Vec::new();
-            for Line { ahead, weights, .. } in &self.lines[kind.lines.clone()] {
-                let neighbors = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-                pairs.extend(neighbors.map(|(lane, &weight)| {
-                    let other = first + ahead + lane;
-                    (self.places[other], self.kind(other).material, weight)
-                }));
-            }
+            let pair = |&Pair { ahead, weight, .. }: &Pair| {
+                let other = first + ahead;
+                (self.places[other], self.kind(other).material, weight)
+            };
+            let pairs = self.pairs[kind.pairs.clone()].iter().map(pair).collect();
             Seam { place: self.places[row], material: kind.material, pairs }
         })
     }
 
     /// Bytes that they hold.
     pub fn memory_bytes(&self) -> usize {
-        let kinds = size_of_val(&*self.kinds) + size_of_val(&*self.lines);
-        size_of_val(&*self.places) + size_of_val(&*self.rows) + kinds
+        let kinds = size_of_val(&*self.kinds) + size_of_val(&*self.pairs);
+        size_of_val(&*self.places) + size_of_val(&*self.rows) + kinds + size_of_val(&*self.groups)
     }
 }
 
 /// See [`Seams::add`].
-struct AddSeams<'a> {
+struct AddSeams<'a, A> {
     of: &'a Seams,
     rows: Range<usize>,
     locals: &'a Locals,
-    factor: f64,
-    first: usize,
-    rates: &'a mut [f64],
+    add: A,
 }
 
-impl Work for AddSeams<'_> {
+impl<A: FnMut(usize, f64, f64)> Work for AddSeams<'_, A> {
     type Output = f64;
 
     #[inline(always)]
@@ -352,36 +358,76 @@ impl Work for AddSeams<'_> {
     }
 }
 
-impl AddSeams<'_> {
+impl<A: FnMut(usize, f64, f64)> AddSeams<'_, A> {
     #[inline(always)]
     fn add<const FUSED: bool>(self, mean: impl Fn(f64, f64) -> f64) -> f64 {
-        let Self { of, rows, locals, factor, first, rates } = self;
-        let all = [&locals.temperatures, &locals.potentials, &locals.terms];
+        let Self { of, mut rows, locals, mut add } = self;
         let mut given = 0.0;
-        for row in rows {
-            let (kind, [temperature, potential, term]) = (of.kind(row), all.map(|all| all[row]));
-            let (start, mut sum) = (row.wrapping_add_signed(kind.first), [0.0; LANES]);
-            let around = all.map(|all| &all[start..start + kind.span]);
-            for &Line { ahead, weights, over_mean } in &of.lines[kind.lines.clone()] {
-                let [temperatures, potentials, terms] = around.map(|around| {
-                    let line: &[f64; LANES] =
-                        around[ahead..ahead + LANES].try_into().expect("a line's length");
-                    line
-                });
-                for x in 0..LANES {
-                    let by_heat = over_mean[x] * mean(term, terms[x]);
-                    let by_matrix = weights[x] * (potentials[x] - potential);
-                    let fall = temperatures[x] - temperature;
-                    sum[x] += multiply_add::<FUSED>(by_heat, fall, -by_matrix);
+        while let Some(&kind) = of.rows[rows.clone()].first() {
+            let few = of.rows[rows.clone()].first_chunk::<FEW>();
+            let are_alike = few.is_some_and(|few| few.iter().all(|which| *which == kind));
+            let (row, kind) = (rows.start, &of.kinds[kind as usize]);
+            if are_alike {
+                let rates = of.rates::<FUSED, FEW>(row, kind, locals, &mean);
+                for (row, rate) in (row..).zip(rates) {
+                    given += of.add_one(row, kind, locals, rate, &mut add);
                 }
-            }
-            let rate = factor * sum_of(sum);
-            match kind.held {
-                Some(capacity) => given -= capacity * rate,
-                None => rates[of.places[row] as usize - first] += rate,
+                rows.start += FEW;
+            } else {
+                let [rate] = of.rates::<FUSED, 1>(row, kind, locals, &mean);
+                given += of.add_one(row, kind, locals, rate, &mut add);
+                rows.start += 1;
             }
         }
         given
+    }
+}
+
+impl Seams {
+    /// What rates of the rows of one kind from `row` on are short of.
+    #[inline(always)]
+    fn rates<const FUSED: bool, const COUNT: usize>(
+        &self,
+        row: usize,
+        kind: &Kind,
+        locals: &Locals,
+        mean: impl Fn(f64, f64) -> f64,
+    ) -> [f64; COUNT] {
+        let all = [&locals.temperatures, &locals.potentials, &locals.terms];
+        let from = |some: &[f64], first: usize| -> [f64; COUNT] {
+            some[first..first + COUNT].try_into().expect("as many")
+        };
+        let [temperature, potential, term] = all.map(|all| from(all, row));
+        let start = row.wrapping_add_signed(kind.first);
+        let around = all.map(|all| &all[start..start + kind.span + COUNT]);
+        let mut rates = [0.0; COUNT];
+        for &Pair { ahead, weight, over_mean } in &self.pairs[kind.pairs.clone()] {
+            let [temperatures, potentials, terms] = around.map(|around| from(around, ahead));
+            for x in 0..COUNT {
+                let by_heat = over_mean * mean(term[x], terms[x]);
+                let by_matrix = weight * (potentials[x] - potential[x]);
+                let fall = temperatures[x] - temperature[x];
+                rates[x] += multiply_add::<FUSED>(by_heat, fall, -by_matrix);
+            }
+        }
+        rates
+    }
+
+    /// Adds the rate of a row of a free particle; returns what a held one gave.
+    #[inline(always)]
+    fn add_one(
+        &self,
+        row: usize,
+        kind: &Kind,
+        locals: &Locals,
+        rate: f64,
+        add: &mut impl FnMut(usize, f64, f64),
+    ) -> f64 {
+        match kind.held {
+            Some(capacity) => return -capacity * rate,
+            None => add(self.places[row] as usize, locals.potentials[row], rate),
+        }
+        0.0
     }
 }
 
@@ -400,3 +446,7 @@ fn curves_of_cells(problem: &Problem, grid: &CellGrid<'_>) -> Vec<u64> {
     };
     tasks(grid).into_par_iter().flat_map_iter(|cells| cells.map(of_cell)).collect()
 }
+
+#[cfg(test)]
+#[path = "seams_tests.rs"]
+mod tests;

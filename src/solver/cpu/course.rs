@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::mushy::{Mushy, MushyStep};
 use super::operator::Combine;
 use crate::model::material::Segment;
+use crate::model::wide::{choose, multiply_add};
 use crate::model::{HeatCurve, Material};
 
 /// The potential of a material of which each phase has one conductivity, as its enthalpy changes.
@@ -145,24 +146,22 @@ impl Course {
         self.curve.as_ref().map_or(potential, |curve| curve.enthalpy_of_potential(potential))
     }
 
-    /// T (K), psi (K) and k (W/(m K)) at a potential (K) that tells the enthalpy.
-    #[inline]
-    pub(super) fn state(&self, potential: f64) -> [f64; 3] {
+    /// T (K) and k (W/(m K)) at a potential (K), and at an enthalpy (K) of what melts at one temperature, which is no
+    /// number of anything else: with the liquid k goes from one phase's to the other's.
+    #[inline(always)]
+    pub(super) fn state<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         if let Some(mushy) = self.mushy.as_ref().filter(|mushy| mushy.has(potential)) {
             return mushy.state(potential);
         }
-        let phase = &self.phases[usize::from(potential > self.melts)];
-        let temperature = phase.temperature + phase.warming * (potential - phase.potential);
-        [temperature, potential, phase.conductivity]
-    }
-
-    /// The same at an enthalpy (K) of what melts at one temperature: with the liquid k goes from one phase's to the
-    /// other's.
-    #[inline]
-    pub(super) fn melting_state(&self, enthalpy: f64) -> [f64; 3] {
-        let [solid, liquid] = self.phases.each_ref().map(|phase| phase.conductivity);
-        let fraction = (enthalpy - self.begins) / (self.ends - self.begins);
-        [self.phases[1].temperature, self.melts, solid + (liquid - solid) * fraction]
+        let [solid, liquid] = &self.phases;
+        let is_liquid = potential > self.melts;
+        let of = |get: fn(&Phase) -> f64| choose(is_liquid, get(liquid), get(solid));
+        let above = potential - of(|phase| phase.potential);
+        let temperature =
+            multiply_add::<FUSED>(of(|phase| phase.warming), above, of(|phase| phase.temperature));
+        let rise = (liquid.conductivity - solid.conductivity) / (self.ends - self.begins);
+        let of_melting = multiply_add::<FUSED>(rise, melting - self.begins, solid.conductivity);
+        [temperature, choose(melting.is_nan(), of(|phase| phase.conductivity), of_melting)]
     }
 }
 
@@ -214,11 +213,11 @@ pub(super) mod tests {
                 if !melts {
                     assert!((course.enthalpy(potential) - enthalpy).abs() < 1e-9, "{enthalpy}");
                 }
-                let state = match melts && course.melts_at(enthalpy) {
-                    true => course.melting_state(enthalpy),
-                    false => course.state(potential),
-                };
-                for (own, expected) in state.iter().zip(curve.state(enthalpy)) {
+                let is_latent = melts && course.melts_at(enthalpy);
+                let melting = if is_latent { enthalpy } else { f64::NAN };
+                let [temperature, conductivity] = course.state::<false>(potential, melting);
+                let own = [temperature, potential, conductivity];
+                for (own, expected) in own.iter().zip(curve.state(enthalpy)) {
                     assert!((own - expected).abs() < 1e-11 * expected, "{enthalpy}");
                 }
             }
@@ -245,7 +244,7 @@ pub(super) mod tests {
         let course = Course::of(&solid()).expect("one");
         assert!(course.tells(1e9, 1e9) && !course.tells(f64::NAN, f64::NAN));
         assert_eq!([course.potential(450.0), course.enthalpy(450.0)], [450.0; 2]);
-        assert_eq!(course.state(450.0), [450.0, 450.0, 300.0]);
+        assert_eq!(course.state::<false>(450.0, f64::NAN), [450.0, 300.0]);
     }
 
     #[test]

@@ -4,24 +4,22 @@ use std::ops::Range;
 
 use super::course::CourseStep;
 use super::operator::Combine;
-use crate::model::wide::{Work, multiply_add};
+use crate::model::wide::Work;
 
 /// Values that are looked at together.
-const FEW: usize = 32;
-/// The same at the end of a run, but for the last ones.
+pub(super) const FEW: usize = 32;
+/// The same in runs that are shorter.
 const FEWER: usize = 4;
 
-/// Finds what passes to another phase in a step, of which it takes the last part where operators have written rates, and
-/// where a phase has no single slope.
+/// Finds what passes to another phase in a step, which it takes on where a phase has no single slope.
 pub(super) struct Crossings<'a, R> {
     /// Places that follow each other, and what takes those of each run a step on.
     pub(super) runs: R,
     /// The potentials before it.
     pub(super) now: &'a [f64],
-    /// Those after it, or where `of_rates` the rates, which become them. What passes to another phase has what it would
-    /// have with the slope of [`CourseStep::phases`].
+    /// Those after it: in between phases, and of what passes to another one, what they would be with the slope of
+    /// [`CourseStep::phases`].
     pub(super) out: &'a mut [f64],
-    pub(super) of_rates: bool,
     /// Takes the places that do, where potentials are from place `first` on.
     pub(super) found: &'a mut Vec<usize>,
     pub(super) first: usize,
@@ -32,102 +30,107 @@ impl<R: Iterator<Item = (Range<usize>, CourseStep)>> Work for Crossings<'_, R> {
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        match self.of_rates {
-            true => self.look::<FUSED, true>(),
-            false => self.look::<FUSED, false>(),
-        }
-    }
-}
-
-impl<R: Iterator<Item = (Range<usize>, CourseStep)>> Crossings<'_, R> {
-    #[inline(always)]
-    fn look<const FUSED: bool, const RATES: bool>(self) {
-        let Self { runs, now, out, found, first, .. } = self;
+        let Self { runs, now, out, found, first } = self;
         for (run, CourseStep { phases, mushy }) in runs {
             let local = run.start - first..run.end - first;
-            let rest = Rest { now: &now[local.clone()], out: &mut out[local], first: run.start };
+            let (now, out) = (&now[local.clone()], &mut out[local]);
             match mushy {
-                None => rest.look::<FUSED, RATES>(phases, found),
-                Some(mushy) => rest.look::<FUSED, RATES>((phases, mushy), found),
+                // What does not melt has one phase.
+                None if phases.limit == f64::INFINITY => {}
+                None => look::<FUSED>(phases, now, out, found, run.start),
+                Some(mushy) => look::<FUSED>((phases, mushy), now, out, found, run.start),
             }
         }
     }
 }
 
-/// How a few potentials are taken on and looked at.
+/// How potentials are looked at.
 pub(super) trait Look: Copy {
-    /// Adds those from place `first` on that pass to another phase to `found`; with `RATES`, takes them on by these, which
-    /// are in `out`.
-    fn few<const FUSED: bool, const RATES: bool, const COUNT: usize>(
+    /// As its first bit, whether something may be to be done with a potential (K) that becomes another one.
+    fn bits(self, now: f64, next: f64) -> u64;
+
+    /// Does what is to be done with a few, of places from `first` on, and adds those that pass to another phase to
+    /// `found`.
+    fn take<const FUSED: bool>(
         self,
-        now: &[f64; COUNT],
-        out: &mut [f64; COUNT],
+        now: &[f64],
+        out: &mut [f64],
         found: &mut Vec<usize>,
         first: usize,
     );
 }
 
-/// What is left of a run, whose potentials are from place `first` on.
-struct Rest<'a> {
-    now: &'a [f64],
-    out: &'a mut [f64],
+/// Looks at a run from place `first` on.
+#[inline(always)]
+fn look<const FUSED: bool>(
+    by: impl Look,
+    now: &[f64],
+    out: &mut [f64],
+    found: &mut Vec<usize>,
     first: usize,
+) {
+    let mut from = 0;
+    while from < now.len() {
+        let to = now.len().min(from + FEW);
+        let any = match (now[..to].last_chunk(), out[..to].last_chunk()) {
+            // With some of those before, if they are the last.
+            (Some(now), Some(out)) => any::<FEW>(by, now, out),
+            // Runs between materials may be short.
+            _ => any_of_fewer(by, &now[from..to], &out[from..to]),
+        };
+        if any >> 63 != 0 {
+            by.take::<FUSED>(&now[from..to], &mut out[from..to], found, first + from);
+        }
+        from = to;
+    }
 }
 
-impl Rest<'_> {
-    #[inline(always)]
-    fn look<const FUSED: bool, const RATES: bool>(mut self, by: impl Look, found: &mut Vec<usize>) {
-        self.some::<FUSED, RATES, FEW>(by, found);
-        // Runs between materials may be short.
-        self.some::<FUSED, RATES, FEWER>(by, found);
-        self.some::<FUSED, RATES, 1>(by, found);
+/// The bits of any of some, put together for several at once by a processor.
+#[inline(always)]
+fn any<const COUNT: usize>(by: impl Look, now: &[f64; COUNT], out: &[f64; COUNT]) -> u64 {
+    let mut any = 0;
+    for x in 0..COUNT {
+        any |= by.bits(now[x], out[x]);
     }
+    any
+}
 
-    /// Looks at as many as there are `COUNT` together of.
-    #[inline(always)]
-    fn some<const FUSED: bool, const RATES: bool, const COUNT: usize>(
-        &mut self,
-        by: impl Look,
-        found: &mut Vec<usize>,
-    ) {
-        let mut now = self.now;
-        let mut out = std::mem::take(&mut self.out);
-        while let Some((few, rest)) = now.split_first_chunk::<COUNT>() {
-            let (these, others) = out.split_first_chunk_mut::<COUNT>().expect("as many");
-            by.few::<FUSED, RATES, COUNT>(few, these, found, self.first);
+/// The same of fewer than are looked at together.
+#[inline(always)]
+fn any_of_fewer(by: impl Look, mut now: &[f64], mut out: &[f64]) -> u64 {
+    let mut all = 0;
+    if let (Some(last_now), Some(last_out)) = (now.last_chunk(), out.last_chunk()) {
+        all = any::<FEWER>(by, last_now, last_out);
+        while let (Some((these, rest)), Some((next, others))) =
+            (now.split_first_chunk(), out.split_first_chunk())
+        {
+            all |= any::<FEWER>(by, these, next);
             (now, out) = (rest, others);
-            self.first += COUNT;
         }
-        (self.now, self.out) = (now, out);
+    } else {
+        for (now, out) in now.iter().zip(out) {
+            all |= by.bits(*now, *out);
+        }
     }
+    all
 }
 
 /// Of what melts at one temperature or not at all.
 impl Look for Combine {
     #[inline(always)]
-    fn few<const FUSED: bool, const RATES: bool, const COUNT: usize>(
+    fn bits(self, now: f64, next: f64) -> u64 {
+        self.room(now).to_bits() ^ self.room(next).to_bits()
+    }
+
+    #[inline(always)]
+    fn take<const FUSED: bool>(
         self,
-        now: &[f64; COUNT],
-        out: &mut [f64; COUNT],
+        now: &[f64],
+        out: &mut [f64],
         found: &mut Vec<usize>,
         first: usize,
     ) {
-        let (mut next, mut any) = (*out, 0);
-        for x in 0..COUNT {
-            if RATES {
-                next[x] = multiply_add::<FUSED>(self.factor(now[x]), out[x], now[x]);
-            }
-            // Bits of signs, since a processor puts them together for several at once.
-            any |= self.room(now[x]).to_bits() ^ self.room(next[x]).to_bits();
-        }
-        if RATES {
-            *out = next;
-        }
-        if any >> 63 != 0 {
-            let passes =
-                |(now, next): (&f64, &f64)| self.room(*now).to_bits() ^ self.room(*next).to_bits();
-            find(now.iter().zip(&*out).map(passes), found, first);
-        }
+        find(now.iter().zip(&*out).map(|(now, next)| self.bits(*now, *next)), found, first);
     }
 }
 
@@ -158,28 +161,13 @@ mod tests {
 
     /// The potentials after a step of `dt` (s), and what passes to another phase in it.
     fn after(course: &Course, now: &[f64], rates: Vec<f64>, dt: f64) -> (Vec<f64>, Vec<usize>) {
-        let find = |of_rates: bool, mut out: Vec<f64>| {
-            let middle = now.len() / 2;
-            let runs = [0..middle, middle..now.len()]
-                .map(|run| (7 + run.start..7 + run.end, course.step(dt)));
-            let (runs, mut found) = (runs.into_iter(), Vec::new());
-            wide::run(Crossings {
-                runs,
-                now,
-                out: &mut out,
-                of_rates,
-                found: &mut found,
-                first: 7,
-            });
-            (out, found.iter().map(|place| place - 7).collect::<Vec<_>>())
-        };
-        let mut by_operator = rates.clone();
-        course.step(dt).phases.write(now, &mut by_operator);
-        let ((after, found), (same, also_found)) = (find(true, rates), find(false, by_operator));
-        assert_eq!(found, also_found, "of rates, and of what an operator wrote");
-        let off = after.iter().zip(&same).map(|(one, other)| (one - other).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-11);
-        (after, found)
+        let (middle, mut out) = (now.len() / 2, rates);
+        course.step(dt).phases.write(now, &mut out);
+        let runs =
+            [0..middle, middle..now.len()].map(|run| (7 + run.start..7 + run.end, course.step(dt)));
+        let (runs, mut found) = (runs.into_iter(), Vec::new());
+        wide::run(Crossings { runs, now, out: &mut out, found: &mut found, first: 7 });
+        (out, found.iter().map(|place| place - 7).collect::<Vec<_>>())
     }
 
     #[test]
@@ -242,10 +230,7 @@ mod tests {
         for course in courses() {
             let mut now = vec![course.potential(300.0); 40];
             now[17] = f64::NAN;
-            let mut out = vec![0.0; now.len()];
-            let runs = [(0..now.len(), course.step(0.5))].into_iter();
-            let (found, first) = (&mut Vec::new(), 0);
-            wide::run(Crossings { runs, now: &now, out: &mut out, of_rates: true, found, first });
+            let out = after(&course, &now, vec![0.0; now.len()], 0.5).0;
             assert!(out[17].is_nan() && out[16] == now[16] && out[18] == now[18]);
         }
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::change::Change;
 use super::course::Course;
 use super::operator::CpuOperator;
+use crate::model::operator::seek;
 use crate::model::wide;
 use crate::model::{HeatCurve, Problem};
 
@@ -74,7 +75,17 @@ impl Curves {
         &self,
         places: Range<usize>,
     ) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let begun = self.starts.partition_point(|&(start, _)| start as usize <= places.start);
+        self.runs_near(places, &mut 0)
+    }
+
+    /// The same, looked for from `near` on, which becomes how many begin up to the first place.
+    pub(super) fn runs_near(
+        &self,
+        places: Range<usize>,
+        near: &mut usize,
+    ) -> impl Iterator<Item = (Range<usize>, usize)> + use<'_> {
+        *near = seek(&self.starts, *near, |&(start, _)| start as usize <= places.start);
+        let begun = *near;
         let mut starts = self.starts[begun..].iter();
         // Which it is stands beside where it begins, since places are looked up in another part of memory.
         let first = begun.checked_sub(1).map_or(0, |last| self.starts[last].1);

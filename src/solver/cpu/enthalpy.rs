@@ -1,5 +1,6 @@
 //! Enthalpy in memory, and the potentials that come of it.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -7,11 +8,13 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::curves::Curves;
 use super::fronts::FrontFlows;
-use super::latent::Latent;
+use super::latent::{Kind, Latent};
 use super::operator::CpuOperator;
+use super::seam_step::{Note, SeamStep};
 use super::vector::Capacities;
 use crate::model::Problem;
-use crate::model::operator::{Local, Locals, Seams, within};
+use crate::model::operator::{Locals, LocalsMut, SeamGroup, Seams, within};
+use crate::model::wide;
 
 /// The state of a scene with curves, by place.
 ///
@@ -74,14 +77,19 @@ impl Enthalpy {
         }
         let latent = self.find_latent(now, operator);
         let Self { values, scene, .. } = &*self;
-        let locals = |seams: &Seams| {
-            seams.locals(|row, place| {
-                let melts = || latent.find(place, &mut 0);
-                scene.at_seam(seams, row, now[place], values[place], melts)
-            })
-        };
-        let locals = scene.seams.as_ref().map_or_else(Locals::default, locals);
-        self.set_begun(Begun { latent, at_seams: [locals.clone(), locals] });
+        let [mut before, after] = [(); 2].map(|()| match &scene.seams {
+            Some(seams) => Locals::of(seams),
+            None => Locals::default(),
+        });
+        if let Some(seams) = &scene.seams {
+            SeamStep::of_all(seams, &after, &mut before).note(
+                now.len(),
+                |material, rows, locals| {
+                    scene.note(material, rows, [now, values], 0, &latent, locals);
+                },
+            );
+        }
+        self.set_begun(Begun { latent, at_seams: [before, after] });
     }
 
     fn find_latent(&self, now: &[f64], operator: &dyn CpuOperator) -> Latent {
@@ -98,7 +106,7 @@ impl Enthalpy {
             let mut latent = Latent::default();
             for (place, (&value, &now)) in (k * CHUNK..).zip(values.iter().zip(now)) {
                 if is_latent(place, value, now) && operator.has_particle(place) {
-                    latent.push(place, value);
+                    latent.push(place, value, self.scene.kind(place));
                 }
             }
             latent
@@ -170,8 +178,13 @@ impl Enthalpy {
         let locals = seams.locals(|row, place| seams.local(row, state(place)));
         let add = |(k, rates): (usize, &mut [f64])| {
             let places = k * CHUNK..k * CHUNK + rates.len();
-            let rows = within(seams.places(), &places);
-            seams.add(rows, &locals, factor, places.start, rates)
+            let of_group = |group: &SeamGroup| {
+                let near = within(&seams.places()[group.rows.clone()], &places);
+                let rows = group.rows.start + near.start..group.rows.start + near.end;
+                let add = |place, _, rate| rates[place - places.start] += factor * rate;
+                factor * seams.add(rows, &locals, add)
+            };
+            seams.groups().iter().map(of_group).sum::<f64>()
         };
         let given: Vec<f64> = rates.par_chunks_mut(CHUNK).enumerate().map(add).collect();
         given.iter().sum()
@@ -239,24 +252,45 @@ impl Enthalpy {
 }
 
 impl HeatScene {
-    /// What the particle of a row of `seams` is like in Euler's steps, with a potential (K), an enthalpy (K) where
-    /// potentials do not tell it, and, where they do, that of what `melts`.
-    #[inline]
-    pub(super) fn at_seam(
+    /// Whether not all places are of one kind.
+    pub(super) fn has_kinds(&self) -> bool {
+        let has_lines = self.fronts.as_ref().is_some_and(FrontFlows::has_lines);
+        has_lines || self.curves.materials().is_some()
+    }
+
+    /// The kind of what melts in a place, unless all are of one.
+    pub(super) fn kind(&self, place: usize) -> Option<Kind> {
+        let lines = || self.fronts.as_ref().map_or(0, |fronts| fronts.lines(place));
+        self.has_kinds().then(|| Kind { curve: self.curves.which(place) as u16, lines: lines() })
+    }
+
+    /// Takes note in `locals` of what the particles of some rows of seams, which are of a `material`, are like in Euler's
+    /// steps: with potentials (K), enthalpies (K) where potentials do not tell them, both of places from `first` on,
+    /// and what is `latent`.
+    pub(super) fn note(
         &self,
-        seams: &Seams,
-        row: usize,
-        potential: f64,
-        enthalpy: f64,
-        melts: impl FnOnce() -> Option<f64>,
-    ) -> Local {
-        let Some(courses) = self.curves.courses() else {
-            return seams.local(row, enthalpy);
+        material: u16,
+        rows: Range<usize>,
+        [potentials, enthalpies]: [&[f64]; 2],
+        first: usize,
+        latent: &Latent,
+        mut locals: LocalsMut<'_>,
+    ) {
+        let Some(seams) = &self.seams else {
+            return;
         };
-        let course = &courses[seams.material(row)];
-        let state = melts()
-            .map_or_else(|| course.state(potential), |enthalpy| course.melting_state(enthalpy));
-        seams.local_of(state)
+        let places = &seams.places()[rows.clone()];
+        match self.curves.courses() {
+            Some(courses) => {
+                let course = &courses[usize::from(material)];
+                wide::run(Note { seams, course, places, potentials, first, latent, locals });
+            }
+            None => {
+                for (k, (row, &place)) in rows.zip(places).enumerate() {
+                    locals.set(k, seams.local(row, enthalpies[place as usize - first]));
+                }
+            }
+        }
     }
 }
 

@@ -2,44 +2,65 @@
 
 use crate::model::operator::seek;
 
+/// What one has of what differs among the places of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Kind {
+    /// Which curve.
+    pub(super) curve: u16,
+    /// Which [lines](super::fronts::FrontFlows::lines).
+    pub(super) lines: u16,
+}
+
 /// Those of a scene: few as a rule.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Latent {
     /// Ascending.
     places: Vec<u32>,
     enthalpies: Vec<f64>,
+    /// None where all places are of one kind. They stand here since those of all places are far apart.
+    kinds: Vec<Kind>,
 }
 
 impl Latent {
-    /// None, with room for so many.
-    pub(super) fn with_room(count: usize) -> Self {
-        Self { places: Vec::with_capacity(count), enthalpies: Vec::with_capacity(count) }
+    /// None, with room for so many, which are of one kind or not.
+    pub(super) fn with_room(count: usize, has_kinds: bool) -> Self {
+        Self {
+            places: Vec::with_capacity(count),
+            enthalpies: Vec::with_capacity(count),
+            kinds: Vec::with_capacity(if has_kinds { count } else { 0 }),
+        }
     }
 
     /// Puts parts together that follow each other.
     pub(super) fn of_parts(parts: &[Self]) -> Self {
-        let mut all = Self::with_room(parts.iter().map(|part| part.places.len()).sum());
+        let count = parts.iter().map(|part| part.places.len()).sum();
+        let mut all = Self::with_room(count, parts.iter().any(|part| !part.kinds.is_empty()));
         for part in parts {
             all.places.extend_from_slice(&part.places);
             all.enthalpies.extend_from_slice(&part.enthalpies);
+            all.kinds.extend_from_slice(&part.kinds);
         }
         all
     }
 
-    /// Takes a particle: behind all others, or [`Self::sort`] has to follow.
-    pub(super) fn push(&mut self, place: usize, enthalpy: f64) {
+    /// Takes a particle, with its kind unless all are of one: behind all others, or [`Self::sort`] has to follow.
+    #[inline]
+    pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<Kind>) {
         self.places.push(place as u32);
         self.enthalpies.push(enthalpy);
+        self.kinds.extend(kind);
     }
 
     /// Puts those from the one that is `from` in the list on in order of place.
     pub(super) fn sort(&mut self, from: usize) {
-        let places = self.places.drain(from..);
-        let mut rest: Vec<(u32, f64)> = places.zip(self.enthalpies.drain(from..)).collect();
-        rest.sort_by_key(|&(place, _)| place);
-        for (place, enthalpy) in rest {
-            self.places.push(place);
-            self.enthalpies.push(enthalpy);
+        let rest = (from..self.places.len()).map(|which| self.one(which));
+        let mut rest: Vec<(usize, f64, Option<Kind>)> = rest.collect();
+        rest.sort_by_key(|&(place, ..)| place);
+        self.places.truncate(from);
+        self.enthalpies.truncate(from);
+        self.kinds.truncate(from);
+        for (place, enthalpy, kind) in rest {
+            self.push(place, enthalpy, kind);
         }
     }
 
@@ -53,21 +74,37 @@ impl Latent {
         &self.enthalpies
     }
 
-    /// The enthalpy of what is in a place, if it is one of them; looked up from `near` on.
-    pub(super) fn find(&self, place: usize, near: &mut usize) -> Option<f64> {
+    /// The kind of one, unless all are of one.
+    #[inline(always)]
+    pub(super) fn kind(&self, which: usize) -> Option<Kind> {
+        self.kinds.get(which).copied()
+    }
+
+    /// Looks from `near` on for how many are before a place.
+    pub(super) fn seek(&self, place: usize, near: &mut usize) {
         *near = seek(&self.places, *near, |&other| (other as usize) < place);
+    }
+
+    /// The enthalpy of what is in a place, if it is one of them, where `near` are before one that is not behind it: they
+    /// become those before it.
+    #[inline(always)]
+    pub(super) fn next(&self, place: usize, near: &mut usize) -> Option<f64> {
+        while self.places.get(*near).is_some_and(|&other| (other as usize) < place) {
+            *near += 1;
+        }
         let is_there = self.places.get(*near).is_some_and(|&other| other as usize == place);
         is_there.then(|| self.enthalpies[*near])
     }
 
-    /// Place and enthalpy of one.
-    pub(super) fn one(&self, which: usize) -> (usize, f64) {
-        (self.places[which] as usize, self.enthalpies[which])
+    /// Place, enthalpy (K) and kind of one.
+    #[inline]
+    pub(super) fn one(&self, which: usize) -> (usize, f64, Option<Kind>) {
+        (self.places[which] as usize, self.enthalpies[which], self.kind(which))
     }
 
     /// Bytes that it holds.
     pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.places) + size_of_val(&*self.enthalpies)
+        size_of_val(&*self.places) + size_of_val(&*self.enthalpies) + size_of_val(&*self.kinds)
     }
 }
 
@@ -76,13 +113,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn those_behind_are_put_in_order_with_their_enthalpies() {
-        let mut latent = Latent::default();
-        for place in [9, 3, 8, 4, 6] {
-            latent.push(place, 10.0 * place as f64);
+    fn those_behind_are_put_in_order_with_what_is_known_of_them() {
+        for has_kinds in [false, true] {
+            let enthalpy = |place: usize| 10.0 * place as f64;
+            let kind = |place: usize| {
+                has_kinds.then_some(Kind { curve: place as u16, lines: 100 + place as u16 })
+            };
+            let mut latent = Latent::default();
+            for place in [9, 3, 8, 4, 6] {
+                latent.push(place, enthalpy(place), kind(place));
+            }
+            latent.sort(1);
+            assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
+            assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
+            let twice = Latent::of_parts(&[latent.clone(), latent]);
+            for which in 0..10 {
+                let place = [9, 3, 4, 6, 8][which % 5];
+                assert_eq!(twice.one(which), (place, enthalpy(place), kind(place)));
+            }
+            assert_eq!(twice.memory_bytes(), 10 * if has_kinds { 16 } else { 12 });
         }
-        latent.sort(1);
-        assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
-        assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
     }
 }

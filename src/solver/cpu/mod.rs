@@ -17,6 +17,7 @@ mod rows;
 mod seam_step;
 mod shared_lines;
 mod vector;
+mod written;
 
 use std::sync::Arc;
 
@@ -104,7 +105,7 @@ impl CpuBackend {
 
     /// The lattice `scene` of `problem`, with the rows that its stencil does not describe.
     pub fn mixed(problem: &Problem, scene: impl Into<Arc<MixedScene>>, rows: SomeRows) -> Self {
-        Self::with(problem, Box::new(Lattice::new(Mixed::new(scene.into(), rows))))
+        Self::with(problem, Box::new(Lattice::new(Mixed::new(problem, scene.into(), rows))))
     }
 
     fn with(problem: &Problem, operator: Box<dyn CpuOperator>) -> Self {

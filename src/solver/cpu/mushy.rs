@@ -4,7 +4,7 @@
 //! is psi_0 + s x + b x^2. Where it is psi its slope is g = sqrt(s^2 + 4 b (psi - psi_0)), and a change delta of the
 //! enthalpy takes it to psi + delta (g + b delta): to what the curve has there, without a look at the enthalpy.
 
-use super::crossings::{Look, find};
+use super::crossings::{FEW, Look, find};
 use super::operator::Combine;
 use crate::model::material::Segment;
 use crate::model::wide::{choose, multiply_add};
@@ -57,12 +57,12 @@ impl Mushy {
         self.ends[0] < potential && potential <= self.ends[1]
     }
 
-    /// T (K), psi (K) and k (W/(m K)) at a potential (K) of it.
-    pub(super) fn state(&self, potential: f64) -> [f64; 3] {
+    /// T (K) and k (W/(m K)) at a potential (K) of it.
+    pub(super) fn state(&self, potential: f64) -> [f64; 2] {
         let Self { segment: Segment { temperature, warming, slope, .. }, reference, .. } = *self;
         let here = self.step(0.0).slope::<false>(potential);
         let above = 2.0 * (potential - self.ends[0]) / (slope + here);
-        [temperature + warming * above, potential, reference * here / warming]
+        [temperature + warming * above, reference * here / warming]
     }
 }
 
@@ -83,62 +83,41 @@ fn rooms([least, most]: [f64; 2], potential: f64) -> [u64; 2] {
 /// With what takes on what is solid or liquid: above a limit, which is where the mushy ends.
 impl Look for (Combine, MushyStep) {
     #[inline(always)]
-    fn few<const FUSED: bool, const RATES: bool, const COUNT: usize>(
+    fn bits(self, now: f64, next: f64) -> u64 {
+        let [[over, above], [next_over, next_above]] =
+            [now, next].map(|potential| rooms(self.1.ends, potential));
+        (over & !above) | (over ^ next_over) | (above ^ next_above)
+    }
+
+    /// Takes on what is mushy, of which there is in `out` what it would be with the slopes of other phases.
+    #[inline(always)]
+    fn take<const FUSED: bool>(
         self,
-        now: &[f64; COUNT],
-        out: &mut [f64; COUNT],
+        now: &[f64],
+        out: &mut [f64],
         found: &mut Vec<usize>,
         first: usize,
     ) {
         let (phases, mushy) = self;
-        let (mut next, mut any) = (*out, 0);
-        for x in 0..COUNT {
-            if RATES {
-                next[x] = multiply_add::<FUSED>(phases.factor(now[x]), out[x], now[x]);
-            }
-            let ([over, above], [next_over, next_above]) =
-                (rooms(mushy.ends, now[x]), rooms(mushy.ends, next[x]));
-            // Bits of signs, since a processor puts them together for several at once.
-            any |= (over & !above) | (over ^ next_over) | (above ^ next_above);
+        let per_change = mushy.dt / phases.factors[0];
+        let (mut passes, mut any) = ([0; FEW], 0);
+        for ((passes, &now), out) in passes.iter_mut().zip(now).zip(&mut *out) {
+            let change = per_change * (*out - now);
+            let slope = mushy.slope::<FUSED>(now);
+            let rise = multiply_add::<FUSED>(mushy.bend, change, slope);
+            let of_mushy = multiply_add::<FUSED>(change, rise, now);
+            let [over, above] = rooms(mushy.ends, now);
+            let is_mushy = over & !above;
+            let after = choose(is_mushy >> 63 != 0, of_mushy, *out);
+            let [next_over, next_above] = rooms(mushy.ends, after);
+            // Past where the slope would be 0 the same potentials come again.
+            let turns = is_mushy & (rise + mushy.bend * change).to_bits();
+            *passes = (over ^ next_over) | (above ^ next_above) | turns;
+            any |= *passes;
+            *out = choose(*passes >> 63 != 0, *out, after);
         }
         if any >> 63 != 0 {
-            between::<FUSED, RATES, COUNT>(self, now, out, &mut next, found, first);
+            find(passes.into_iter().take(now.len()), found, first);
         }
-        if RATES || any >> 63 != 0 {
-            *out = next;
-        }
-    }
-}
-
-/// Takes on what is mushy among a few, which have `next` with the slopes of other phases, and finds what passes to
-/// another phase.
-#[inline(always)]
-fn between<const FUSED: bool, const RATES: bool, const COUNT: usize>(
-    (phases, mushy): (Combine, MushyStep),
-    now: &[f64; COUNT],
-    out: &[f64; COUNT],
-    next: &mut [f64; COUNT],
-    found: &mut Vec<usize>,
-    first: usize,
-) {
-    let per_change = mushy.dt / phases.factors[0];
-    let (mut passes, mut any) = ([0; COUNT], 0);
-    for x in 0..COUNT {
-        let change = if RATES { mushy.dt * out[x] } else { per_change * (out[x] - now[x]) };
-        let slope = mushy.slope::<FUSED>(now[x]);
-        let rise = multiply_add::<FUSED>(mushy.bend, change, slope);
-        let of_mushy = multiply_add::<FUSED>(change, rise, now[x]);
-        let [over, above] = rooms(mushy.ends, now[x]);
-        let is_mushy = over & !above;
-        let after = choose(is_mushy >> 63 != 0, of_mushy, next[x]);
-        let [next_over, next_above] = rooms(mushy.ends, after);
-        // Past where the slope would be 0 the same potentials come again.
-        let turns = is_mushy & (rise + mushy.bend * change).to_bits();
-        passes[x] = (over ^ next_over) | (above ^ next_above) | turns;
-        any |= passes[x];
-        next[x] = choose(passes[x] >> 63 != 0, next[x], after);
-    }
-    if any >> 63 != 0 {
-        find(passes.into_iter(), found, first);
     }
 }

@@ -6,6 +6,7 @@ use super::CHUNK;
 use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
 use super::partial_step::{PartialStep, WholeStep};
+use super::written::Written;
 use crate::model::operator::SourceRows;
 use crate::model::wide::{self, Work, choose, multiply_add};
 
@@ -64,6 +65,9 @@ impl Combine {
 
     /// Writes it where rates are, which are in `out`.
     pub(super) fn write(self, own: &[f64], out: &mut [f64]) {
+        if self == RATE {
+            return;
+        }
         wide::run(OfRates { combine: self, own, out });
     }
 
@@ -190,8 +194,15 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     // the number of threads.
     let task = out.len().div_ceil(PARTS).max(CHUNK);
     let step = WholeStep::new(operator, now.values, dt, task, enthalpy.scene());
-    let given = operator.apply(now, out, step.written());
+    let (at_once, later) = match step.written() {
+        Written::Same(combine) => (combine, false),
+        Written::Each(_) => (RATE, true),
+    };
+    let given = operator.apply(now, out, at_once);
     let take_on = |_: &mut (), step: &mut PartialStep<'_, O>, out: &mut [f64]| {
+        if later {
+            step.write_of_rates(out);
+        }
         step.take_on(out, out.len());
         0.0
     };

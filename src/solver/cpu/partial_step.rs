@@ -13,7 +13,8 @@ use super::fronts::{Add, Queue};
 use super::latent::Latent;
 use super::operator::{Combine, CpuOperator, RATE};
 use super::seam_step::SeamStep;
-use crate::model::operator::{take_below, within, within_near};
+use super::written::Written;
+use crate::model::operator::{take_below, within};
 use crate::model::wide::{self, CACHE_LINE};
 
 /// Values that are worked on together: parts are whole numbers of them but for the last.
@@ -45,6 +46,8 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     /// that pass to another phase.
     changed: Vec<(usize, f64)>,
     crossings: Vec<usize>,
+    /// Where curves were looked for last.
+    curves_near: usize,
 }
 
 /// A step of all places.
@@ -58,8 +61,8 @@ pub(super) struct WholeStep<'a, O: ?Sized> {
     task: usize,
     /// How potentials go on, by course, if there are any.
     steps: Vec<CourseStep>,
-    /// What the operator writes: one of these, or rates.
-    written: Combine,
+    /// What the operator writes: these, by curve, or rates.
+    written: Vec<Combine>,
 }
 
 impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
@@ -73,23 +76,23 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
     ) -> Self {
         let courses = scene.curves.courses().unwrap_or_default();
         let steps: Vec<CourseStep> = courses.iter().map(|course| course.step(dt)).collect();
-        // Where materials meet something is to be added to rates first, and each has a step of its own.
-        let written = match (&steps[..], &scene.seams) {
-            ([one], None) => one.phases,
-            _ => RATE,
-        };
+        let written = steps.iter().map(|step| step.phases).collect();
         debug_assert!(dt > 0.0, "rates are found again from what is written");
         Self { operator, now, dt, task, steps, written }
     }
 
     /// What the operator is to write.
-    pub(super) fn written(&self) -> Combine {
-        self.written
+    pub(super) fn written(&self) -> Written<'_> {
+        match &self.written[..] {
+            [] => Written::Same(RATE),
+            [one] => Written::Same(*one),
+            each => Written::Each(each),
+        }
     }
 
-    /// The rate in what is written of a place, 1/s x value, which is taken out.
-    fn take_rate(&self, place: usize, out: &mut f64) -> f64 {
-        let [rate, rest] = self.written.rate_and_rest(self.now[place], *out);
+    /// The rate in what is written of a place with a curve, 1/s x value, which is taken out.
+    fn take_rate(&self, place: usize, curve: usize, out: &mut f64) -> f64 {
+        let [rate, rest] = self.written().of(curve).rate_and_rest(self.now[place], *out);
         *out = rest;
         rate
     }
@@ -107,16 +110,14 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         let (scene, begun, enthalpies) = enthalpy.parts();
         let Begun { latent: before, at_seams: [locals, mut after] } = begun;
         let count = out.len();
-        let (mut first, mut row, mut rest) = (0, 0, after.all_mut());
+        let mut first = 0;
+        let mut seams =
+            scene.seams.as_ref().map(|seams| SeamStep::of_all(seams, &locals, &mut after));
         let mut tasks = Vec::with_capacity(count.div_ceil(self.task));
         for (out, enthalpies) in out.chunks_mut(self.task).zip(enthalpies.chunks_mut(self.task)) {
             let places = first..first + out.len();
             first = places.end;
-            let seams = scene.seams.as_ref().map(|seams| {
-                let rows = within_near(seams.places(), &places, &mut row);
-                let of_task = rest.take(rows.len());
-                SeamStep::new(seams, &locals, rows, of_task)
-            });
+            let seams = seams.as_mut().map(|seams| seams.take(places.end));
             tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
         }
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
@@ -166,16 +167,27 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             fronts,
             has_fronts: false,
             melting,
-            latent: Latent::with_room(count),
+            latent: Latent::with_room(count, scene.has_kinds()),
             given: 0.0,
             changed: Vec::new(),
             crossings: Vec::new(),
+            curves_near: 0,
         }
     }
 
     /// The places.
     pub(super) fn places(&self) -> Range<usize> {
         self.places.clone()
+    }
+
+    /// Writes what an operator is to write where rates are, which are in `out`.
+    pub(super) fn write_of_rates(&self, out: &mut [f64]) {
+        let first = self.places.start;
+        for (run, curve) in self.scene.curves.runs(self.places()) {
+            let (now, out) =
+                (&self.all.now[run.clone()], &mut out[run.start - first..run.end - first]);
+            self.all.written().of(curve).write(now, out);
+        }
     }
 
     /// Has the processor fetch the enthalpies that are taken on next, of so many places, while the operator writes others:
@@ -193,10 +205,10 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     /// where potentials after the step are written.
     pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
         let first = self.places.start;
-        let WholeStep { operator, now, written, .. } = *self.all;
-        let (scene, before) = (self.scene, self.before);
+        let WholeStep { operator, now, .. } = *self.all;
+        let (scene, before, written) = (self.scene, self.before, self.all.written());
         if let Some(seams) = &mut self.seams {
-            self.given += seams.add(first + known, first, out);
+            self.given += seams.add(first + known, first, written, out);
         }
         let mut ready = known;
         if let Some(fronts) = &scene.fronts {
@@ -218,12 +230,11 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             if self.has_fronts {
                 self.take_held(from, out);
             }
-            let latent_so_far = self.latent.places().len();
             match scene.curves.courses() {
                 Some(courses) => self.go_on(courses, from, out),
                 None => self.change(from, out),
             }
-            self.note_seams(latent_so_far, from, out);
+            self.note_seams(from, out);
             self.done = ready;
         }
     }
@@ -236,44 +247,49 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         for &held in &held[within(held, &(first..first + out.len()))] {
             let held = held as usize;
-            self.given -= fronts.capacity(held) * self.all.take_rate(held, &mut out[held - first]);
+            let curve = self.scene.curves.which(held);
+            let rate = self.all.take_rate(held, curve, &mut out[held - first]);
+            self.given -= fronts.capacity(held) * rate;
         }
     }
 
     /// Takes places from `first` on a step further by their potentials, and by their enthalpies what melts at one
     /// temperature or passes to another phase.
     fn go_on(&mut self, courses: &[Course], first: usize, out: &mut [f64]) {
-        let Self { all, scene, before, melting, latent, changed, crossings, .. } = self;
-        let WholeStep { operator, now, dt, ref steps, written, .. } = **all;
+        let Self { all, scene, before, melting, latent, changed, crossings, curves_near, .. } =
+            self;
+        let WholeStep { operator, now, dt, ref steps, .. } = **all;
         let (curves, places) = (&scene.curves, first..first + out.len());
-        let course = |place: usize| &courses[curves.which(place)];
         let from = latent.places().len();
         for melting in take_below(before.places(), melting, places.end) {
-            let (place, enthalpy) = before.one(melting);
-            let enthalpy = enthalpy + dt * all.take_rate(place, &mut out[place - first]);
-            match course(place).goes_on_melting(now[place], enthalpy) {
-                true => latent.push(place, enthalpy),
+            let (place, enthalpy, kind) = before.one(melting);
+            let curve = usize::from(kind.unwrap_or_default().curve);
+            let enthalpy = enthalpy + dt * all.take_rate(place, curve, &mut out[place - first]);
+            match courses[curve].goes_on_melting(now[place], enthalpy) {
+                true => latent.push(place, enthalpy, kind),
                 false => changed.push((place, enthalpy)),
             }
         }
         operator.for_each_present(places, &mut |places| {
             let (first, out) = (places.start, &mut out[places.start - first..places.end - first]);
-            let runs = curves.runs(places.clone()).map(|(run, which)| (run, steps[which]));
-            let (now, found, of_rates) = (&now[places], &mut *crossings, written == RATE);
-            wide::run(Crossings { runs, now, out, of_rates, found, first });
+            let runs = curves
+                .runs_near(places.clone(), curves_near)
+                .map(|(run, which)| (run, steps[which]));
+            let (now, found) = (&now[places], &mut *crossings);
+            wide::run(Crossings { runs, now, out, found, first });
         });
         changed.extend(crossings.drain(..).map(|place| {
-            let (now, step) = (now[place], steps[curves.which(place)]);
-            let [rate, _] = step.phases.rate_and_rest(now, out[place - first]);
-            (place, course(place).enthalpy(now) + dt * rate)
+            let (now, curve) = (now[place], curves.which(place));
+            let [rate, _] = steps[curve].phases.rate_and_rest(now, out[place - first]);
+            (place, courses[curve].enthalpy(now) + dt * rate)
         }));
         let sorted = latent.places().len();
         for (place, enthalpy) in changed.drain(..) {
-            let course = course(place);
+            let course = &courses[curves.which(place)];
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
             if !course.tells(enthalpy, potential) {
-                latent.push(place, enthalpy);
+                latent.push(place, enthalpy, scene.kind(place));
             }
         }
         if latent.places().len() > sorted {
@@ -293,7 +309,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 if let Some(fronts) = &scene.fronts {
                     fronts.find_latent(first, enthalpies, |place, enthalpy| {
                         if operator.has_particle(place) {
-                            latent.push(place, enthalpy);
+                            latent.push(place, enthalpy, scene.kind(place));
                         }
                     });
                 }
@@ -303,16 +319,15 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     }
 
     /// Takes note of what the particles of seams are like after places from `first` on were taken on: their potentials
-    /// are in `out`, and what melts among them is in `latent` from `from` on.
-    fn note_seams(&mut self, mut from: usize, first: usize, out: &[f64]) {
+    /// are in `out`.
+    fn note_seams(&mut self, first: usize, out: &[f64]) {
         let Self { scene, latent, places, enthalpies, seams, .. } = self;
         let Some(step) = seams else {
             return;
         };
-        step.note(first + out.len(), |seams, row, place| {
-            let enthalpy = enthalpies[place - places.start];
-            let melts = || latent.find(place, &mut from);
-            scene.at_seam(seams, row, out[place - first], enthalpy, melts)
+        let enthalpies = &enthalpies[first - places.start..];
+        step.note(first + out.len(), |material, rows, locals| {
+            scene.note(material, rows, [out, enthalpies], first, latent, locals);
         });
     }
 

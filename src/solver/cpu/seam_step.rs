@@ -2,50 +2,138 @@
 
 use std::ops::Range;
 
-use crate::model::operator::{Local, Locals, LocalsMut, Seams, take_below};
+use super::course::Course;
+use super::latent::Latent;
+use super::written::Written;
+use crate::model::operator::{Local, Locals, LocalsMut, SeamGroup, Seams, take_below};
+use crate::model::wide::Work;
 
 /// The rows of seams among some places, in one of Euler's steps.
 pub(super) struct SeamStep<'a> {
     seams: &'a Seams,
     /// What all are like as the step begins.
     locals: &'a Locals,
-    /// What those of these places are like after it, and the first of them.
-    after: LocalsMut<'a>,
-    first: usize,
-    /// The rows whose rates are still to be added to, and those of which is still to be noted what they are like.
+    groups: Vec<Group<'a>>,
+}
+
+/// Those of them whose particles are of one material.
+struct Group<'a> {
+    material: u16,
+    /// The rows to which something is still to be added, and those of which is still to be noted what they are like.
     to_add: Range<usize>,
     to_note: Range<usize>,
+    /// What the latter are like after the step.
+    after: LocalsMut<'a>,
 }
 
 impl<'a> SeamStep<'a> {
-    /// A step of `rows` from `locals`, which are of all; `after` is for those.
-    pub(super) fn new(
-        seams: &'a Seams,
-        locals: &'a Locals,
-        rows: Range<usize>,
-        after: LocalsMut<'a>,
-    ) -> Self {
-        Self { seams, locals, after, first: rows.start, to_add: rows.clone(), to_note: rows }
+    /// A step of all rows, from `locals` to what is written `after` it.
+    pub(super) fn of_all(seams: &'a Seams, locals: &'a Locals, after: &'a mut Locals) -> Self {
+        let mut after = after.all_mut();
+        let group = |SeamGroup { material, rows }: &SeamGroup| Group {
+            material: *material,
+            to_add: rows.clone(),
+            to_note: rows.clone(),
+            after: after.take(rows.len()),
+        };
+        Self { seams, locals, groups: seams.groups().iter().map(group).collect() }
     }
 
-    /// Adds what the matrix does not know of flows between materials to the rates of the next places up to `end`, which
-    /// are in `rates` from place `first` on; returns what held particles gave beyond what it knows,
+    /// Takes the step of the next places up to `end` out.
+    pub(super) fn take(&mut self, end: usize) -> Self {
+        let Self { seams, locals, ref mut groups } = *self;
+        let take = |group: &mut Group<'a>| {
+            let rows = take_below(seams.places(), &mut group.to_add, end);
+            group.to_note = group.to_add.clone();
+            let after = group.after.take(rows.len());
+            Group { material: group.material, to_add: rows.clone(), to_note: rows, after }
+        };
+        Self { seams, locals, groups: groups.iter_mut().map(take).collect() }
+    }
+
+    /// Adds what the matrix does not know of flows between materials to what is `written` of the next places up to
+    /// `end`, which is in `out` from place `first` on; returns what held particles gave beyond what it knows,
     /// value x capacity / s.
-    pub(super) fn add(&mut self, end: usize, first: usize, rates: &mut [f64]) -> f64 {
-        let rows = take_below(self.seams.places(), &mut self.to_add, end);
-        self.seams.add(rows, self.locals, 1.0, first, rates)
+    pub(super) fn add(
+        &mut self,
+        end: usize,
+        first: usize,
+        written: Written<'_>,
+        out: &mut [f64],
+    ) -> f64 {
+        let mut given = 0.0;
+        for group in &mut self.groups {
+            let rows = take_below(self.seams.places(), &mut group.to_add, end);
+            let combine = written.of(usize::from(group.material));
+            given += self.seams.add(rows, self.locals, |place, potential, rate| {
+                out[place - first] += combine.factor(potential) * rate;
+            });
+        }
+        given
     }
 
-    /// Takes note of what the particles of the next places up to `end` are like after the step, which `local` tells
-    /// of a row and its place.
+    /// Takes note of what the particles of the next places up to `end` are like after the step: `note` gets a material,
+    /// rows of it, and where that is to be written.
     pub(super) fn note(
         &mut self,
         end: usize,
-        mut local: impl FnMut(&Seams, usize, usize) -> Local,
+        mut note: impl FnMut(u16, Range<usize>, LocalsMut<'_>),
     ) {
-        for row in take_below(self.seams.places(), &mut self.to_note, end) {
-            let place = self.seams.places()[row] as usize;
-            self.after.set(row - self.first, local(self.seams, row, place));
+        for group in &mut self.groups {
+            let rows = take_below(self.seams.places(), &mut group.to_note, end);
+            let after = group.after.take(rows.len());
+            if !rows.is_empty() {
+                note(group.material, rows, after);
+            }
+        }
+    }
+}
+
+/// Particles that are worked on together.
+const FEW: usize = 8;
+
+/// Takes note of what some particles of seams that follow a course are like, from potentials and from what of them is
+/// latent.
+pub(super) struct Note<'a> {
+    pub(super) seams: &'a Seams,
+    pub(super) course: &'a Course,
+    /// Their places, ascending.
+    pub(super) places: &'a [u32],
+    /// Potentials of places from `first` on, K.
+    pub(super) potentials: &'a [f64],
+    pub(super) first: usize,
+    pub(super) latent: &'a Latent,
+    pub(super) locals: LocalsMut<'a>,
+}
+
+impl Work for Note<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Self { seams, course, places, potentials, first, latent, mut locals } = self;
+        let (mut row, mut near) = (0, 0);
+        if let Some(&place) = places.first() {
+            latent.seek(place as usize, &mut near);
+        }
+        for places in places.chunks(FEW) {
+            // What does not melt has no enthalpy here.
+            let (mut of_place, mut melting) = ([0.0; FEW], [f64::NAN; FEW]);
+            for (x, &place) in places.iter().enumerate() {
+                of_place[x] = potentials[place as usize - first];
+                melting[x] = latent.next(place as usize, &mut near).unwrap_or(f64::NAN);
+            }
+            let [mut temperatures, mut terms] = [[0.0; FEW]; 2];
+            for x in 0..FEW {
+                let conductivity;
+                [temperatures[x], conductivity] = course.state::<FUSED>(of_place[x], melting[x]);
+                terms[x] = seams.term(conductivity);
+            }
+            for x in 0..places.len() {
+                let [temperature, potential, term] = [temperatures[x], of_place[x], terms[x]];
+                locals.set(row + x, Local { temperature, potential, term });
+            }
+            row += places.len();
         }
     }
 }

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::FrontFlows;
-use crate::model::wide::{Work, multiply_add, sum_of};
+use crate::model::wide::{Work, choose, sum_of};
 use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
-use crate::solver::cpu::latent::Latent;
-use crate::solver::cpu::operator::{Combine, CpuOperator};
+use crate::solver::cpu::latent::{Kind, Latent};
+use crate::solver::cpu::operator::CpuOperator;
+use crate::solver::cpu::written::Written;
 
 /// Particles that are worked on together.
 const FEW: usize = 16;
@@ -20,7 +21,7 @@ pub(in crate::solver::cpu) struct Add<'a, O: ?Sized> {
     pub(in crate::solver::cpu) operator: &'a O,
     pub(in crate::solver::cpu) potentials: &'a [f64],
     /// What is made of rates.
-    pub(in crate::solver::cpu) written: Combine,
+    pub(in crate::solver::cpu) written: Written<'a>,
     /// The places where that is here.
     pub(in crate::solver::cpu) own: Range<usize>,
     pub(in crate::solver::cpu) out: &'a mut [f64],
@@ -32,25 +33,23 @@ struct Flow {
     /// Of the particle, K.
     potential: f64,
     /// From a solid neighbour, and from a liquid one: how many times weight and difference are taken from what is
-    /// written of it.
-    solid: f64,
-    liquid: f64,
-    /// How many times more the particle gains of the latter.
-    more: f64,
+    /// written of it, and given to the particle.
+    taken: [f64; 2],
+    gained: [f64; 2],
 }
 
 impl Flow {
-    /// That of a particle with an enthalpy (K) in a place: nothing if it does not melt.
+    /// That of a particle with a curve and an enthalpy (K): nothing if it does not melt.
     #[inline(always)]
-    fn of(fronts: &FrontFlows, written: Combine, place: usize, enthalpy: f64) -> Self {
-        match fronts.front(place) {
+    fn of(fronts: &FrontFlows, written: Written<'_>, curve: u16, enthalpy: f64) -> Self {
+        match fronts.front_of(curve) {
             Some(front) if front.is_in(enthalpy) => {
                 let [liquid, solid] = fronts.fronts.excess(front, enthalpy);
-                let [of_solid, of_liquid] = written.factors;
+                let [of_solid, of_liquid] = written.of(usize::from(curve)).factors;
                 // What melts is not above where it does.
-                let more = (of_solid - of_liquid) * liquid;
-                let (solid, liquid) = (of_solid * solid, of_liquid * liquid);
-                Self { potential: front.potential, solid, liquid, more }
+                let gained = [of_solid * solid, of_solid * liquid];
+                let taken = [of_solid * solid, of_liquid * liquid];
+                Self { potential: front.potential, taken, gained }
             }
             _ => Self::default(),
         }
@@ -58,39 +57,25 @@ impl Flow {
 
     #[inline(always)]
     fn is_none(self) -> bool {
-        self.solid == 0.0 && self.liquid == 0.0
+        self.gained == [0.0; 2]
     }
 
     /// That where all weights are to be multiplied by a factor.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {
-        let Self { potential, solid, liquid, more } = self;
-        Self { potential, solid: factor * solid, liquid: factor * liquid, more: factor * more }
+        let [taken, gained] =
+            [self.taken, self.gained].map(|parts| parts.map(|part| factor * part));
+        Self { taken, gained, ..self }
     }
 
-    /// What is taken from a neighbour of some potential and weight, and how much of that is liquid, times weight and
-    /// difference. What melts too has the same potential, and gives nothing.
+    /// What is taken from a neighbour of some potential and weight, and what the particle gains. What melts too has the
+    /// same potential, and gives nothing.
     #[inline(always)]
-    fn from<const FUSED: bool>(self, other: f64, weight: f64) -> [f64; 2] {
+    fn from(self, other: f64, weight: f64) -> [f64; 2] {
         let above = other - self.potential;
-        let of_solid = weight * if above < 0.0 { above } else { 0.0 };
-        let of_liquid = weight * if above > 0.0 { above } else { 0.0 };
-        [multiply_add::<FUSED>(self.solid, of_solid, self.liquid * of_liquid), of_liquid]
-    }
-}
-
-/// What a particle gains, in parts that are added together at last.
-#[derive(Clone, Copy, Default)]
-struct Gain {
-    taken: [f64; LANES],
-    of_liquid: [f64; LANES],
-}
-
-impl Gain {
-    /// All of it.
-    #[inline(always)]
-    fn sum(&self, flow: Flow) -> f64 {
-        sum_of(self.taken) + flow.more * sum_of(self.of_liquid)
+        let product = weight * above;
+        [self.taken, self.gained]
+            .map(|[solid, liquid]| product * choose(above.is_sign_negative(), solid, liquid))
     }
 }
 
@@ -100,16 +85,25 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { of, latent, which, operator, potentials, written, own, out } = self;
-        let (places, enthalpies) = (&latent.places()[which.clone()], &latent.enthalpies()[which]);
+        let (places, enthalpies) =
+            (&latent.places()[which.clone()], &latent.enthalpies()[which.clone()]);
         let mut near = Near::default();
-        for (places, enthalpies) in places.chunks(FEW).zip(enthalpies.chunks(FEW)) {
+        let firsts = which.step_by(FEW);
+        for ((places, enthalpies), first) in
+            places.chunks(FEW).zip(enthalpies.chunks(FEW)).zip(firsts)
+        {
+            let mut kinds = [Kind::default(); FEW];
+            for (which, kind) in (first..).zip(&mut kinds[..places.len()]) {
+                *kind = latent.kind(which).unwrap_or_default();
+            }
             // All before any is needed, since a processor divides several at once.
             let mut flows = [Flow::default(); FEW];
-            for ((flow, &place), &enthalpy) in flows.iter_mut().zip(places).zip(enthalpies) {
-                *flow = Flow::of(of, written, place as usize, enthalpy);
+            for ((flow, &enthalpy), kind) in flows.iter_mut().zip(enthalpies).zip(&kinds) {
+                *flow = Flow::of(of, written, kind.curve, enthalpy);
             }
-            let mut gains = [Gain::default(); FEW];
-            for ((&place, flow), gain) in places.iter().zip(&mut flows).zip(&mut gains) {
+            let mut gains = [[0.0; LANES]; FEW];
+            let particles = places.iter().zip(&kinds).zip(flows);
+            for (((&place, kind), flow), gain) in particles.zip(&mut gains) {
                 if flow.is_none() {
                     continue;
                 }
@@ -118,23 +112,22 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     let Some(ratio) = of.ratio(place, other) else {
                         return;
                     };
-                    let [taken, of_liquid] = flow.from::<FUSED>(potentials[other], weight);
-                    gain.taken[0] += taken;
-                    gain.of_liquid[0] += of_liquid;
+                    let [taken, gained] = flow.from(potentials[other], weight);
+                    gain[0] += gained;
                     if let Some(out) = out.get_mut(other.wrapping_sub(own.start)) {
                         *out -= taken * ratio;
                     }
                 };
-                let (entries, are_alike) = of.entries(place, operator, &mut near);
+                let (entries, are_alike) = of.entries(place, kind.lines, operator, &mut near);
                 match entries {
                     Entries::Lines(lines, factor) => {
                         let start = lines.start(place);
                         match potentials.get(start..start + lines.span()) {
                             Some(around) if are_alike => {
-                                *flow = flow.times(factor);
+                                let flow = flow.times(factor);
                                 let first = start.wrapping_sub(own.start);
                                 let is_own = own.contains(&place);
-                                *gain = along::<FUSED>(lines, *flow, around, first, is_own, out);
+                                *gain = along(lines, flow, around, first, is_own, out);
                             }
                             _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                         }
@@ -145,9 +138,9 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     }
                 }
             }
-            for ((&place, flow), gain) in places.iter().zip(&flows).zip(&gains) {
+            for (&place, gain) in places.iter().zip(gains) {
                 if let Some(out) = out.get_mut((place as usize).wrapping_sub(own.start)) {
-                    *out += gain.sum(*flow);
+                    *out += sum_of(gain);
                 }
             }
         }
@@ -158,27 +151,28 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 /// `out` of these as far as they are there, where the first line begins at `first`; returns what the particle gains if
 /// it `is_own`: there, what lies beyond counts too.
 #[inline(always)]
-fn along<const FUSED: bool>(
+fn along(
     lines: &Lines,
     flow: Flow,
     around: &[f64],
     first: usize,
     is_own: bool,
     out: &mut [f64],
-) -> Gain {
-    let mut gain = Gain::default();
-    let count = out.len();
-    for (ahead, weights) in lines.all() {
-        let to = first.wrapping_add(*ahead);
+) -> [f64; LANES] {
+    let (mut gain, count) = ([0.0; LANES], out.len());
+    for (&ahead, weights) in lines.all() {
+        let to = first.wrapping_add(ahead);
         let there = out.get_mut(to..to.wrapping_add(LANES));
         if there.is_none() && !is_own && is_beyond(to, count) {
             continue;
         }
         let others: &[f64; LANES] =
-            around[*ahead..*ahead + LANES].try_into().expect("a line's length");
-        let (mut taken, mut of_liquid) = ([0.0; LANES], [0.0; LANES]);
+            around[ahead..ahead + LANES].try_into().expect("a line's length");
+        let mut taken = [0.0; LANES];
         for x in 0..LANES {
-            [taken[x], of_liquid[x]] = flow.from::<FUSED>(others[x], weights[x]);
+            let [from_it, gained] = flow.from(others[x], weights[x]);
+            taken[x] = from_it;
+            gain[x] += gained;
         }
         match there {
             Some(out) => {
@@ -188,10 +182,6 @@ fn along<const FUSED: bool>(
             }
             None if is_beyond(to, count) => {}
             None => take_some(&taken, to, out),
-        }
-        for x in 0..LANES {
-            gain.taken[x] += taken[x];
-            gain.of_liquid[x] += of_liquid[x];
         }
     }
     gain

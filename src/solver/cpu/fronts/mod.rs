@@ -56,7 +56,8 @@ impl FrontFlows {
         self.front(place).is_some_and(|front| front.is_in(enthalpy))
     }
 
-    /// Calls `found` with what melts among the places of one material from `first` on, which have `enthalpies`.
+    /// Calls `found` with place and enthalpy of what melts among the places of one material from `first` on, which have
+    /// `enthalpies`.
     pub(super) fn find_latent(
         &self,
         first: usize,
@@ -78,12 +79,30 @@ impl FrontFlows {
         self.capacities.at(place)
     }
 
-    #[inline(always)]
     fn front(&self, place: usize) -> Option<&Front> {
         match &self.of {
             Which::Same(front) => Some(front),
             Which::Each(materials) => self.fronts.of_material(materials[place]),
         }
+    }
+
+    /// The front of what has a curve.
+    #[inline(always)]
+    fn front_of(&self, curve: u16) -> Option<&Front> {
+        match &self.of {
+            Which::Same(front) => Some(front),
+            Which::Each(_) => self.fronts.of_material(curve),
+        }
+    }
+
+    /// Whether lines differ from those of the operator.
+    pub(super) fn has_lines(&self) -> bool {
+        self.own.is_some()
+    }
+
+    /// Which lines lead from a place to the neighbours of the own material, where these are known.
+    pub(super) fn lines(&self, place: usize) -> u16 {
+        self.own.as_ref().map_or(0, |own| own.which(place))
     }
 
     fn own_lines(&self, operator: &dyn CpuOperator) -> Option<OwnLines> {
@@ -104,19 +123,20 @@ impl FrontFlows {
         Some(OwnLines::of(count, operator, |place| self.front(place).is_some(), beside))
     }
 
-    /// Neighbours of the particle in a place, but perhaps for those of other materials, and whether all are of its
-    /// material and its capacity if they are in lines.
+    /// Neighbours of the particle in a place that has such [`Self::lines`], but perhaps for those of other materials, and
+    /// whether all are of its material and its capacity if they are in lines.
     #[inline(always)]
     fn entries<'a, O: CpuOperator + ?Sized>(
         &'a self,
         place: usize,
+        lines: u16,
         operator: &'a O,
         near: &mut Near,
     ) -> (Entries<'a>, bool) {
         let Some(own) = &self.own else {
             return (operator.entries(place, near), true);
         };
-        match own.at(place) {
+        match own.lines(lines) {
             Some(lines) => (Entries::Lines(lines, 1.0), true),
             None => (operator.entries(place, near), false),
         }

@@ -63,10 +63,15 @@ impl OwnLines {
         Self { of, all: all.lines() }
     }
 
-    /// Those of a place, if it has any.
+    /// Which a place has.
+    pub(super) fn which(&self, place: usize) -> u16 {
+        self.of[place]
+    }
+
+    /// Those of what has such ones, if it has any.
     #[inline(always)]
-    pub(super) fn at(&self, place: usize) -> Option<&Lines> {
-        self.all.get(usize::from(self.of[place]))
+    pub(super) fn lines(&self, which: u16) -> Option<&Lines> {
+        self.all.get(usize::from(which))
     }
 
     /// Bytes that they hold.
@@ -139,7 +144,7 @@ mod tests {
         problem.particles.material = (0..count).map(material).collect();
         let scene = MixedScene::of(&problem).expect("a lattice");
         let (_, rows) = scene.assemble(&problem);
-        let operator = Lattice::new(Mixed::new(Arc::new(scene), rows));
+        let operator = Lattice::new(Mixed::new(&problem, Arc::new(scene), rows));
         // One that differs in its capacity.
         let odd = 700;
         let beside = |place: usize, other: usize| match (material(place), other) {
@@ -160,7 +165,7 @@ mod tests {
                 }
                 true
             });
-            let Some(lines) = own.at(place) else {
+            let Some(lines) = own.lines(own.which(place)) else {
                 assert!(is_beside_odd || !melts(place), "{place}");
                 without += 1;
                 continue;

@@ -6,12 +6,15 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::around::Around;
-use super::kernel::{Part, Run, Scratch, Seen};
+use super::kernel::{Run, Scratch, Seen};
+use super::parts::Parts;
 use super::shared_rows::SharedRows;
+use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
-use crate::model::operator::{SomeRows, SourceRows, seek, within_near};
+use crate::model::operator::{SomeRows, SourceRows, within_near};
 use crate::solver::cpu::entries::{Entries, Near};
-use crate::solver::cpu::operator::{Combine, Now};
+use crate::solver::cpu::operator::Now;
+use crate::solver::cpu::written::Written;
 
 /// Empty sites in a row that are passed over: fewer are worked on together with what lies around
 /// them, since a short part of a line costs as much as a long one.
@@ -20,15 +23,24 @@ const GAP: usize = 128;
 /// A scene with rows where its stencil does not hold.
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
+    parts: Parts,
     rows: SomeRows,
     /// Those that were among them and share lines.
     shared: SharedRows,
 }
 
 impl Mixed {
-    pub(in crate::solver::cpu) fn new(scene: Arc<MixedScene>, mut rows: SomeRows) -> Self {
+    pub(in crate::solver::cpu) fn new(
+        problem: &Problem,
+        scene: Arc<MixedScene>,
+        mut rows: SomeRows,
+    ) -> Self {
+        let parts = match problem.has_one_curve() {
+            true => Parts::of_factors(&scene.ratios),
+            false => Parts::of_materials(problem, &scene.lattice, |material| scene.ratio(material)),
+        };
         let shared = SharedRows::take_from(&mut rows, scene.lattice.counts.iter().product());
-        Self { scene, rows, shared }
+        Self { scene, parts, rows, shared }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -38,35 +50,6 @@ impl Mixed {
         absent[next..].iter().map(|range| range.start as usize..range.end as usize)
     }
 
-    /// Writes a run by the stencil, each part of it with its own factor.
-    fn stencil(
-        &self,
-        scratch: &mut Scratch,
-        now: &Now<'_>,
-        run: &Run,
-        out: &mut [f64],
-        combine: Combine,
-    ) {
-        let sites = run.first..run.first + run.length;
-        let ratios = &self.scene.ratios;
-        let start = |k: usize| ratios.get(k).map_or(usize::MAX, |&(first, _)| first as usize);
-        let seen = &mut scratch.seen.parts;
-        *seen = seek(ratios, *seen, |&(first, _)| first as usize <= sites.start);
-        let factor_before = |next: usize| if next > 0 { ratios[next - 1].1 } else { 1.0 };
-        let first = *seen;
-        let mut parts = std::mem::take(&mut scratch.parts);
-        parts.clear();
-        for next in first.. {
-            let end = start(next).min(sites.end) - sites.start;
-            parts.push(Part { end, combine: combine.times(factor_before(next)) });
-            if end == run.length {
-                break;
-            }
-        }
-        scratch.work_in_parts(&self.scene.lattice, now.values, run, &parts, out);
-        scratch.parts = parts;
-    }
-
     /// Writes what the stencil does not describe at `sites`; returns what held particles gave.
     fn rest(
         &self,
@@ -74,7 +57,7 @@ impl Mixed {
         now: &Now<'_>,
         sites: &Range<usize>,
         out: &mut [f64],
-        combine: Combine,
+        written: Written<'_>,
     ) -> f64 {
         let near = self.absent_from(sites.start).take_while(|range| range.start < sites.end);
         for range in near.filter(|range| range.len() < GAP) {
@@ -85,23 +68,28 @@ impl Mixed {
         let source = now.source.unwrap_or(&[]);
         if !(source.is_empty() && linear.is_empty()) {
             let of_row = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(0.0);
+            let mut parts = self.parts.from(sites.start, &mut seen.parts);
             for row in within_near(walls, sites, &mut seen.walls) {
                 let site = walls[row] as usize;
                 let rate = of_row(linear, row) * now.values[site] + of_row(source, row);
-                out[site - sites.start] += combine.factor(now.values[site]) * rate;
+                out[site - sites.start] +=
+                    parts.next(site).written(written).factor(now.values[site]) * rate;
             }
         }
-        let mut write = |site: usize, rate: f64| {
-            out[site - sites.start] = combine.of(now.values[site], rate);
-        };
-        self.shared.rates(sites, &mut seen.shared, now.values, &mut write);
-        self.rows.rates(sites, &mut seen.rows, now.values, source, write);
+        let mut parts = self.parts.from(sites.start, &mut seen.parts);
+        self.shared.rates(sites, &mut seen.shared, now.values, |site, rate| {
+            out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
+        });
+        let mut parts = self.parts.from(sites.start, &mut seen.parts);
+        self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
+            out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
+        });
         -self.rows.held_rate(sites, &mut seen.held, now.values)
     }
 }
 
 impl LatticeOperator for Mixed {
-    const PARTS: [usize; 3] = [1 << 15, 1 << 13, 1 << 11];
+    const PARTS: [usize; 3] = [1 << 15, 1 << 13, 1 << 12];
 
     fn scene(&self) -> &LatticeScene {
         &self.scene.lattice
@@ -122,10 +110,7 @@ impl LatticeOperator for Mixed {
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
             return Entries::Row(others, weights);
         }
-        let ratios = &self.scene.ratios;
-        near.part = seek(ratios, near.part, |&(first, _)| first as usize <= site);
-        let factor = if near.part > 0 { ratios[near.part - 1].1 } else { 1.0 };
-        around.entries(&self.scene.lattice, site, factor)
+        around.entries(&self.scene.lattice, site, self.parts.at(site, &mut near.part).factor)
     }
 
     fn present(&self, sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
@@ -150,7 +135,7 @@ impl LatticeOperator for Mixed {
         now: &Now<'_>,
         first: usize,
         out: &mut [f64],
-        combine: Combine,
+        written: Written<'_>,
     ) -> f64 {
         let end = first + out.len();
         // Empty sites keep the 0 that they start with.
@@ -158,11 +143,11 @@ impl LatticeOperator for Mixed {
             while start < end {
                 let run = Run::starting(&self.scene.lattice, start, end - start);
                 let out = &mut out[start - first..start - first + run.length];
-                self.stencil(scratch, now, &run, out, combine);
+                scratch.work(&self.scene.lattice, now.values, &run, &self.parts, written, out);
                 start += run.length;
             }
         }
-        self.rest(&mut scratch.seen, now, &(first..end), out, combine)
+        self.rest(&mut scratch.seen, now, &(first..end), out, written)
     }
 
     fn has_particle(&self, site: usize) -> bool {
@@ -180,13 +165,10 @@ impl LatticeOperator for Mixed {
         let mut diagonal = vec![-1.0; self.scene.lattice.counts.iter().product()];
         let of_place = self.scene.lattice.diagonals();
         let mut absent = self.scene.absent.iter().flat_map(Range::clone).peekable();
-        let mut part = 0;
+        let mut parts = self.parts.from(0, &mut 0);
         for (site, diagonal) in diagonal.iter_mut().enumerate() {
-            let next = self.scene.ratios.get(part);
-            part += usize::from(next.is_some_and(|&(first, _)| first as usize == site));
             if absent.next_if_eq(&(site as u32)).is_none() {
-                *diagonal =
-                    if part > 0 { self.scene.ratios[part - 1].1 } else { 1.0 } * of_place(site);
+                *diagonal = parts.next(site).factor * of_place(site);
             }
         }
         let sources = self.rows.sources();
@@ -199,6 +181,7 @@ impl LatticeOperator for Mixed {
     }
 
     fn memory_bytes(&self) -> usize {
-        self.rows.memory_bytes() + self.shared.memory_bytes() + self.scene.memory_bytes()
+        let rows = self.rows.memory_bytes() + self.shared.memory_bytes();
+        rows + self.parts.memory_bytes() + self.scene.memory_bytes()
     }
 }

@@ -3,6 +3,7 @@
 mod around;
 mod kernel;
 mod mixed;
+mod parts;
 mod shared_rows;
 mod uniform;
 
@@ -15,6 +16,7 @@ use super::enthalpy::Enthalpy;
 use super::entries::{Entries, Near};
 use super::operator::{Combine, CpuOperator, Now};
 use super::partial_step::{PartialStep, SERIAL, WholeStep};
+use super::written::Written;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::SourceRows;
 
@@ -47,7 +49,7 @@ pub(super) trait LatticeOperator: Send + Sync {
         around.entries(self.scene(), site, 1.0)
     }
 
-    /// Writes what `combine` makes of values and rates from site `first` on, wherever that and the
+    /// Writes what `written` makes of values and rates from site `first` on, wherever that and the
     /// last are along their lines; returns what held particles among them gave, value x capacity / s.
     fn advance(
         &self,
@@ -55,7 +57,7 @@ pub(super) trait LatticeOperator: Send + Sync {
         now: &Now<'_>,
         first: usize,
         out: &mut [f64],
-        combine: Combine,
+        written: Written<'_>,
     ) -> f64;
 
     /// The parts of `sites` that are worked on, ascending: there are particles nowhere else.
@@ -131,7 +133,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let task = self.lines(TASK);
         let scratch = || Scratch::new(self.of.scene());
         let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
-            self.of.advance(scratch, now, k * task, out, combine)
+            self.of.advance(scratch, now, k * task, out, Written::Same(combine))
         };
         let given: Vec<f64> = if out.len() < SERIAL {
             let mut scratch = scratch();
@@ -162,14 +164,14 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
         let whole = WholeStep::new(self, now.values, dt, task, enthalpy.scene());
-        let combine = whole.written();
+        let written = whole.written();
         let step = |scratch: &mut Scratch, step: &mut PartialStep<'_, Self>, out: &mut [f64]| {
             let (first, mut given) = (step.places().start, 0.0);
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
                 step.fetch(next - known);
                 let of_part = &mut out[known..next];
-                given += self.of.advance(scratch, now, first + known, of_part, combine);
+                given += self.of.advance(scratch, now, first + known, of_part, written);
                 step.take_on(out, next);
             }
             given

@@ -7,10 +7,12 @@ use rayon::prelude::*;
 
 use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
+use super::parts::Parts;
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::{SourceRows, take_below, within_near};
-use crate::solver::cpu::operator::{Combine, Now, RATE};
+use crate::solver::cpu::operator::{Now, RATE};
+use crate::solver::cpu::written::Written;
 
 /// A scene that fills its lattice.
 pub(in crate::solver::cpu) struct Uniform {
@@ -24,6 +26,7 @@ pub(in crate::solver::cpu) struct Uniform {
     among_held: Vec<f64>,
     /// The rows that walls and sources act on, by site, with what the stencil does not have of them.
     walls: SourceRows,
+    parts: Parts,
 }
 
 impl Uniform {
@@ -35,7 +38,11 @@ impl Uniform {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.potentials(&problem.initial));
         let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
-        Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]) }
+        let parts = match problem.has_one_curve() {
+            true => Parts::of_factors(&[]),
+            false => Parts::of_materials(problem, &scene, |_| 1.0),
+        };
+        Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]), parts }
     }
 
     /// Adds the sources of some rows of walls to the rates of `sites` and takes those of some held particles out;
@@ -86,7 +93,7 @@ impl LatticeOperator for Uniform {
         now: &Now<'_>,
         first: usize,
         out: &mut [f64],
-        combine: Combine,
+        written: Written<'_>,
     ) -> f64 {
         let (mut given, mut done) = (0.0, 0);
         let all = first..first + out.len();
@@ -100,13 +107,15 @@ impl LatticeOperator for Uniform {
             let held = take_below(&self.held, &mut held, sites.end);
             let walls = take_below(self.walls.rank(), &mut walls, sites.end);
             if held.is_empty() && walls.is_empty() {
-                scratch.work(&self.scene, now.values, &run, combine, out);
+                scratch.work(&self.scene, now.values, &run, &self.parts, written, out);
                 continue;
             }
-            scratch.work(&self.scene, now.values, &run, RATE, out);
+            scratch.work(&self.scene, now.values, &run, &self.parts, Written::Same(RATE), out);
             given += self.exceptions(now, &sites, held, walls, out);
-            if combine != RATE {
-                combine.write(&now.values[sites], out);
+            let parts = self.parts.from(sites.start, &mut scratch.seen.parts);
+            for (part, kind) in parts.within(sites.clone()) {
+                let out = &mut out[part.start - sites.start..part.end - sites.start];
+                kind.written(written).write(&now.values[part], out);
             }
         }
         given
@@ -125,6 +134,6 @@ impl LatticeOperator for Uniform {
 
     fn memory_bytes(&self) -> usize {
         let held = size_of_val(&*self.held) + size_of_val(&*self.among_held);
-        held + self.walls.memory_bytes()
+        held + self.walls.memory_bytes() + self.parts.memory_bytes()
     }
 }

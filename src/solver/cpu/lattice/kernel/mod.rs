@@ -22,6 +22,9 @@ use std::ops::Range;
 use crate::model::lattice::{LatticeScene, WIDEST};
 use crate::model::wide::{self, Work, multiply_add};
 use crate::solver::cpu::operator::Combine;
+use crate::solver::cpu::written::Written;
+
+use super::parts::{Kind, Parts, Rest};
 
 use ends::NearEnd;
 use members::{Members, MembersOf};
@@ -63,14 +66,6 @@ impl Run {
     }
 }
 
-/// What is written along a part of a run.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
-    /// Where it ends, from the first site of the run on: it begins where that before it ends.
-    pub(super) end: usize,
-    pub(super) combine: Combine,
-}
-
 /// What working on runs needs beside what it reads and writes.
 #[derive(Debug)]
 pub(in crate::solver::cpu) struct Scratch {
@@ -78,8 +73,6 @@ pub(in crate::solver::cpu) struct Scratch {
     /// P_0, Q_1, Q_2, ... from `reach` before the run on.
     sums: Vec<Vec<f64>>,
     ends: Vec<NearEnd>,
-    /// Room for what is written along parts of a run.
-    pub(super) parts: Vec<Part>,
     /// Where exceptions were looked for last.
     pub(super) seen: Seen,
 }
@@ -93,7 +86,7 @@ pub(super) struct Seen {
     pub(super) rows: usize,
     /// Rows that share lines.
     pub(super) shared: usize,
-    /// Parts of different factors.
+    /// Parts of the lattice.
     pub(super) parts: usize,
 }
 
@@ -103,35 +96,23 @@ impl Scratch {
             members: MembersOf::default(),
             sums: vec![vec![0.0; BLOCK + 2 * scene.reach]; scene.reach + 1],
             ends: NearEnd::all(scene),
-            parts: Vec::new(),
             seen: Seen::default(),
         }
     }
 
-    /// Writes what `combine` makes of values and rates along `run` to `out`.
+    /// Writes what `written` makes of values and rates along `run`, of which there are `parts`, to `out`.
     pub(super) fn work(
         &mut self,
         scene: &LatticeScene,
         state: &[f64],
         run: &Run,
-        combine: Combine,
+        parts: &Parts,
+        written: Written<'_>,
         out: &mut [f64],
     ) {
-        let whole = [Part { end: run.length, combine }];
-        self.work_in_parts(scene, state, run, &whole, out);
-    }
-
-    /// The same with `parts` that end where the run does.
-    pub(super) fn work_in_parts(
-        &mut self,
-        scene: &LatticeScene,
-        state: &[f64],
-        run: &Run,
-        parts: &[Part],
-        out: &mut [f64],
-    ) {
-        debug_assert_eq!(parts.last().map(|part| part.end), Some(run.length), "all is written");
-        let around = Around { scene, state, run, members: self.members.of(scene, run), parts };
+        let (members, parts) =
+            (self.members.of(scene, run), parts.from(run.first, &mut self.seen.parts));
+        let around = Around { scene, state, run, members, parts, written };
         wide::run(Along { around, sums: &mut self.sums, ends: &self.ends, out });
     }
 }
@@ -167,7 +148,8 @@ struct Around<'a> {
     state: &'a [f64],
     run: &'a Run,
     members: &'a Members,
-    parts: &'a [Part],
+    parts: Rest<'a>,
+    written: Written<'a>,
 }
 
 impl Around<'_> {
@@ -242,13 +224,13 @@ impl Around<'_> {
         let lower = REACH.saturating_sub(run.first).min(run.length);
         let upper = run.length.min((self.state.len() - run.first).saturating_sub(REACH)).max(lower);
         let along: [f64; REACH] = std::array::from_fn(|k| self.members.along[k + 1]);
-        let mut from = lower;
-        for &Part { end, combine } in self.parts {
-            let to = end.min(upper);
+        for (part, kind) in self.parts.within(run.first..run.first + run.length) {
+            let (from, to) =
+                ((part.start - run.first).max(lower), (part.end - run.first).min(upper));
             if to <= from {
                 continue;
             }
-            let length = to - from;
+            let (length, combine) = (to - from, self.combine(kind));
             let own = &self.state[run.first + from..][..length];
             let steps: [&[f64]; REACH] =
                 std::array::from_fn(|k| &sums[k + 1][from..][..length + 2 * REACH]);
@@ -258,17 +240,13 @@ impl Around<'_> {
                 true => sums.write::<true, FUSED>(combine, &mut out[from..to]),
                 false => sums.write::<false, FUSED>(combine, &mut out[from..to]),
             }
-            from = to;
         }
     }
 
-    /// What is written at a place of the run.
+    /// What is written where there is a kind.
     #[inline(always)]
-    fn combine(&self, local: usize) -> Combine {
-        match self.parts {
-            [whole] => whole.combine,
-            parts => parts[parts.partition_point(|part| part.end <= local)].combine,
-        }
+    fn combine(&self, kind: Kind) -> Combine {
+        kind.written(self.written).times(kind.factor)
     }
 
     /// Writes what is near the ends of lines again, with what lies past them.
@@ -280,6 +258,7 @@ impl Around<'_> {
             if !(run.x..run.x + run.length.min(nx)).contains(&end.x) {
                 continue;
             }
+            let mut parts = self.parts;
             for local in (end.x - run.x..run.length).step_by(nx) {
                 let own = self.state[run.first + local];
                 let mut rate = sums[0][reach + local];
@@ -292,7 +271,7 @@ impl Around<'_> {
                     };
                     rate += term.factor * sum - self.members.along[term.step] * own;
                 }
-                out[local] = self.combine(local).of(own, rate);
+                out[local] = self.combine(parts.next(run.first + local)).of(own, rate);
             }
         }
     }
