@@ -35,7 +35,7 @@ pub struct Seams {
     places: Vec<u32>,
     /// By row: which one of the kinds. Of a lattice many rows are of one.
     rows: Vec<u32>,
-    kinds: Vec<Kind>,
+    kinds: Vec<RowKind>,
     /// The pairs of kinds, one kind after the other.
     pairs: Vec<Pair>,
 }
@@ -62,7 +62,7 @@ pub struct SeamGroup {
 
 /// Rows that differ in their place alone.
 #[derive(Clone, Debug)]
-struct Kind {
+struct RowKind {
     material: u16,
     /// Capacity where the particle is held, else none.
     held: Option<f64>,
@@ -232,8 +232,10 @@ impl Seams {
         for (row, (a, pairs)) in (0_isize..).zip(&found) {
             let held = problem.is_held(*a).then(|| problem.capacity(*a));
             let pair = |&(b, weight): &(usize, f64)| (row_of[&b] - row, material(b), weight);
-            let mut pairs: Vec<_> = pairs.iter().map(pair).collect();
-            pairs.sort_unstable_by_key(|&(step, ..)| step);
+            // At the end of a support nothing flows.
+            let with_weight = pairs.iter().map(pair).filter(|&(.., weight)| weight != 0.0);
+            let mut pairs: Vec<_> = with_weight.collect();
+            pairs.sort_unstable_by_key(|&(step, _, weight)| (step, weight.to_bits()));
             let key = pairs.iter().map(|&(step, of_b, weight)| (step, of_b, weight.to_bits()));
             let key = (material(*a), held.map(f64::to_bits), key.collect::<Vec<_>>());
             let kind =
@@ -251,12 +253,11 @@ impl Seams {
         let begin = self.pairs.len();
         for &(step, of_other, weight) in pairs {
             let mean = self.pair_mean.of(conductivity(material), conductivity(of_other));
-            // What does not conduct at all has no weight.
-            let over_mean = if mean > 0.0 { weight / mean } else { 0.0 };
+            let over_mean = weight / mean;
             self.pairs.push(Pair { ahead: (step - first) as usize, weight, over_mean });
         }
         let (span, pairs) = ((last - first) as usize, begin..self.pairs.len());
-        self.kinds.push(Kind { material, held, first, span, pairs });
+        self.kinds.push(RowKind { material, held, first, span, pairs });
         self.kinds.len() as u32 - 1
     }
 
@@ -271,7 +272,7 @@ impl Seams {
     }
 
     #[inline(always)]
-    fn kind(&self, row: usize) -> &Kind {
+    fn kind(&self, row: usize) -> &RowKind {
         &self.kinds[self.rows[row] as usize]
     }
 
@@ -389,7 +390,7 @@ impl Seams {
     fn rates<const FUSED: bool, const COUNT: usize>(
         &self,
         row: usize,
-        kind: &Kind,
+        kind: &RowKind,
         locals: &Locals,
         mean: impl Fn(f64, f64) -> f64,
     ) -> [f64; COUNT] {
@@ -418,7 +419,7 @@ impl Seams {
     fn add_one(
         &self,
         row: usize,
-        kind: &Kind,
+        kind: &RowKind,
         locals: &Locals,
         rate: f64,
         add: &mut impl FnMut(usize, f64, f64),

@@ -60,9 +60,14 @@ fn rows_are_grouped_by_material_and_ascend_in_each() {
 
 #[test]
 fn what_is_added_is_the_flow_of_heat_without_that_of_potentials() {
-    let problem = three();
-    for on_sites in [true, false] {
-        let (seams, locals) = seams_and_locals(&problem, on_sites);
+    let mut problem = three();
+    let choices = PairMean::ALL.into_iter().flat_map(|mean| [(mean, true), (mean, false)]);
+    for (pair_mean, on_sites) in choices {
+        problem.pair_mean = pair_mean;
+        // With the arithmetic mean round an axis too.
+        problem.domain.periodic = [false, pair_mean == PairMean::Arithmetic, false];
+        let problem = &problem;
+        let (seams, locals) = seams_and_locals(problem, on_sites);
         let row_of: HashMap<u32, usize> =
             seams.places().iter().enumerate().map(|(row, &place)| (place, row)).collect();
         let mean = |a: f64, b: f64| problem.pair_mean.of(a, b);
@@ -73,7 +78,10 @@ fn what_is_added_is_the_flow_of_heat_without_that_of_potentials() {
             for (other, other_material, weight) in pairs {
                 assert_ne!(material, other_material);
                 let other = row_of[&other];
-                let conductivity = |row: usize| 1.0 / locals.terms[row];
+                let conductivity = |row: usize| match pair_mean {
+                    PairMean::Harmonic => 1.0 / locals.terms[row],
+                    PairMean::Arithmetic => locals.terms[row],
+                };
                 let ratio = mean(conductivity(row), conductivity(other))
                     / mean(reference(material), reference(other_material));
                 let by_heat = ratio * (locals.temperatures[other] - locals.temperatures[row]);

@@ -46,11 +46,12 @@ impl<R: Iterator<Item = (Range<usize>, CourseStep)>> Work for Crossings<'_, R> {
 
 /// How potentials are looked at.
 pub(super) trait Look: Copy {
-    /// As its first bit, whether something may be to be done with a potential (K) that becomes another one.
+    /// As its highest bit, that of a sign, whether something may be to be done with a potential (K) that becomes another
+    /// one.
     fn bits(self, now: f64, next: f64) -> u64;
 
-    /// Does what is to be done with a few, of places from `first` on, and adds those that pass to another phase to
-    /// `found`.
+    /// Does what is to be done with at most [`FEW`], of places from `first` on, and adds those that pass to another phase
+    /// to `found`.
     fn take<const FUSED: bool>(
         self,
         now: &[f64],
@@ -73,7 +74,7 @@ fn look<const FUSED: bool>(
     while from < now.len() {
         let to = now.len().min(from + FEW);
         let any = match (now[..to].last_chunk(), out[..to].last_chunk()) {
-            // With some of those before, if they are the last.
+            // A last chunk that is short is looked at with values before it; nothing is done with these again.
             (Some(now), Some(out)) => any::<FEW>(by, now, out),
             // Runs between materials may be short.
             _ => any_of_fewer(by, &now[from..to], &out[from..to]),

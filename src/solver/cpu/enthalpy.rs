@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::curves::Curves;
 use super::fronts::FrontFlows;
-use super::latent::{Kind, Latent};
+use super::latent::{CurveAndLines, Latent};
 use super::operator::CpuOperator;
-use super::seam_step::{Note, SeamStep};
+use super::seam_step::Note;
 use super::vector::Capacities;
 use crate::model::Problem;
 use crate::model::operator::{Locals, LocalsMut, SeamGroup, Seams, within};
@@ -81,13 +81,10 @@ impl Enthalpy {
             Some(seams) => Locals::of(seams),
             None => Locals::default(),
         });
-        if let Some(seams) = &scene.seams {
-            SeamStep::of_all(seams, &after, &mut before).note(
-                now.len(),
-                |material, rows, locals| {
-                    scene.note(material, rows, [now, values], 0, &latent, locals);
-                },
-            );
+        let mut rest = before.all_mut();
+        for SeamGroup { material, rows } in scene.seams.iter().flat_map(Seams::groups) {
+            let locals = rest.take(rows.len());
+            scene.note(*material, rows.clone(), [now, values], 0, &latent, locals);
         }
         self.set_begun(Begun { latent, at_seams: [before, after] });
     }
@@ -259,9 +256,10 @@ impl HeatScene {
     }
 
     /// The kind of what melts in a place, unless all are of one.
-    pub(super) fn kind(&self, place: usize) -> Option<Kind> {
+    pub(super) fn kind(&self, place: usize) -> Option<CurveAndLines> {
         let lines = || self.fronts.as_ref().map_or(0, |fronts| fronts.lines(place));
-        self.has_kinds().then(|| Kind { curve: self.curves.which(place) as u16, lines: lines() })
+        self.has_kinds()
+            .then(|| CurveAndLines { curve: self.curves.which(place) as u16, lines: lines() })
     }
 
     /// Takes note in `locals` of what the particles of some rows of seams, which are of a `material`, are like in Euler's

@@ -4,8 +4,8 @@ use crate::model::operator::seek;
 
 /// What one has of what differs among the places of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Kind {
-    /// Which curve.
+pub(super) struct CurveAndLines {
+    /// Which curve: where curves differ, as a material, else the first.
     pub(super) curve: u16,
     /// Which [lines](super::fronts::FrontFlows::lines).
     pub(super) lines: u16,
@@ -18,7 +18,7 @@ pub(super) struct Latent {
     places: Vec<u32>,
     enthalpies: Vec<f64>,
     /// None where all places are of one kind. They stand here since those of all places are far apart.
-    kinds: Vec<Kind>,
+    kinds: Vec<CurveAndLines>,
 }
 
 impl Latent {
@@ -45,7 +45,7 @@ impl Latent {
 
     /// Takes a particle, with its kind unless all are of one: behind all others, or [`Self::sort`] has to follow.
     #[inline]
-    pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<Kind>) {
+    pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<CurveAndLines>) {
         self.places.push(place as u32);
         self.enthalpies.push(enthalpy);
         self.kinds.extend(kind);
@@ -54,7 +54,7 @@ impl Latent {
     /// Puts those from the one that is `from` in the list on in order of place.
     pub(super) fn sort(&mut self, from: usize) {
         let rest = (from..self.places.len()).map(|which| self.one(which));
-        let mut rest: Vec<(usize, f64, Option<Kind>)> = rest.collect();
+        let mut rest: Vec<(usize, f64, Option<CurveAndLines>)> = rest.collect();
         rest.sort_by_key(|&(place, ..)| place);
         self.places.truncate(from);
         self.enthalpies.truncate(from);
@@ -76,7 +76,7 @@ impl Latent {
 
     /// The kind of one, unless all are of one.
     #[inline(always)]
-    pub(super) fn kind(&self, which: usize) -> Option<Kind> {
+    pub(super) fn kind(&self, which: usize) -> Option<CurveAndLines> {
         self.kinds.get(which).copied()
     }
 
@@ -98,7 +98,7 @@ impl Latent {
 
     /// Place, enthalpy (K) and kind of one.
     #[inline]
-    pub(super) fn one(&self, which: usize) -> (usize, f64, Option<Kind>) {
+    pub(super) fn one(&self, which: usize) -> (usize, f64, Option<CurveAndLines>) {
         (self.places[which] as usize, self.enthalpies[which], self.kind(which))
     }
 
@@ -117,7 +117,8 @@ mod tests {
         for has_kinds in [false, true] {
             let enthalpy = |place: usize| 10.0 * place as f64;
             let kind = |place: usize| {
-                has_kinds.then_some(Kind { curve: place as u16, lines: 100 + place as u16 })
+                has_kinds
+                    .then_some(CurveAndLines { curve: place as u16, lines: 100 + place as u16 })
             };
             let mut latent = Latent::default();
             for place in [9, 3, 8, 4, 6] {

@@ -98,6 +98,7 @@ impl Look for (Combine, MushyStep) {
         found: &mut Vec<usize>,
         first: usize,
     ) {
+        debug_assert!(now.len() <= FEW, "all are taken");
         let (phases, mushy) = self;
         let per_change = mushy.dt / phases.factors[0];
         let (mut passes, mut any) = ([0; FEW], 0);

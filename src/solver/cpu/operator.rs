@@ -194,6 +194,7 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     // the number of threads.
     let task = out.len().div_ceil(PARTS).max(CHUNK);
     let step = WholeStep::new(operator, now.values, dt, task, enthalpy.scene());
+    // Rows are gone through once more where each curve has its own: they are far longer than what is written.
     let (at_once, later) = match step.written() {
         Written::Same(combine) => (combine, false),
         Written::Each(_) => (RATE, true),

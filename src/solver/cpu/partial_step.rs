@@ -1,13 +1,14 @@
 //! One of Euler's steps of some places, while an operator writes them.
 //!
-//! What it writes is added to, and becomes potentials, as soon as nothing is missing: while it is in a fast cache.
+//! What it writes, potentials or rates, is added to, and potentials are what they should be, as soon as nothing is missing:
+//! while it is in a fast cache.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::course::{Course, CourseStep};
-use super::crossings::Crossings;
+use super::crossings::{Crossings, FEW};
 use super::enthalpy::{Begun, Enthalpy, HeatScene};
 use super::fronts::{Add, Queue};
 use super::latent::Latent;
@@ -16,9 +17,6 @@ use super::seam_step::SeamStep;
 use super::written::Written;
 use crate::model::operator::{take_below, within};
 use crate::model::wide::{self, CACHE_LINE};
-
-/// Values that are worked on together: parts are whole numbers of them but for the last.
-const FEW: usize = 32;
 
 /// Below this many places one thread is faster than handing out tasks for every step.
 pub(super) const SERIAL: usize = 1 << 15;
@@ -61,7 +59,7 @@ pub(super) struct WholeStep<'a, O: ?Sized> {
     task: usize,
     /// How potentials go on, by course, if there are any.
     steps: Vec<CourseStep>,
-    /// What the operator writes: these, by curve, or rates.
+    /// What is written before anything is added: these, by curve, or rates where there are none.
     written: Vec<Combine>,
 }
 
@@ -222,7 +220,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             ready = self.fronts.untouched(before, seen).saturating_sub(first).max(self.done);
         }
         if known < out.len() {
-            // The rest with those that follow.
+            // The rest with those that follow: whole numbers of what is worked on together.
             ready -= (ready - self.done) % FEW;
         }
         if ready > self.done {

@@ -7,7 +7,8 @@ use super::operator::Combine;
 pub(super) enum Written<'a> {
     /// The same everywhere.
     Same(Combine),
-    /// By curve.
+    /// By curve: where curves differ, each material is taken to have its own, numbered as the materials; where all have
+    /// one, there is no other.
     Each(&'a [Combine]),
 }
 

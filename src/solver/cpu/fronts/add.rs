@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::FrontFlows;
 use crate::model::wide::{Work, choose, sum_of};
 use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
-use crate::solver::cpu::latent::{Kind, Latent};
+use crate::solver::cpu::latent::{CurveAndLines, Latent};
 use crate::solver::cpu::operator::CpuOperator;
 use crate::solver::cpu::written::Written;
 
@@ -92,7 +92,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
         for ((places, enthalpies), first) in
             places.chunks(FEW).zip(enthalpies.chunks(FEW)).zip(firsts)
         {
-            let mut kinds = [Kind::default(); FEW];
+            let mut kinds = [CurveAndLines::default(); FEW];
             for (which, kind) in (first..).zip(&mut kinds[..places.len()]) {
                 *kind = latent.kind(which).unwrap_or_default();
             }

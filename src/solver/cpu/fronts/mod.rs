@@ -80,10 +80,10 @@ impl FrontFlows {
     }
 
     fn front(&self, place: usize) -> Option<&Front> {
-        match &self.of {
-            Which::Same(front) => Some(front),
-            Which::Each(materials) => self.fronts.of_material(materials[place]),
-        }
+        self.front_of(match &self.of {
+            Which::Same(_) => 0,
+            Which::Each(materials) => materials[place],
+        })
     }
 
     /// The front of what has a curve.

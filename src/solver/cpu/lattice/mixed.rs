@@ -9,9 +9,9 @@ use super::around::Around;
 use super::kernel::{Run, Scratch, Seen};
 use super::parts::Parts;
 use super::shared_rows::SharedRows;
-use crate::model::Problem;
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, within_near};
+use crate::model::{Material, Problem};
 use crate::solver::cpu::entries::{Entries, Near};
 use crate::solver::cpu::operator::Now;
 use crate::solver::cpu::written::Written;
@@ -23,7 +23,9 @@ const GAP: usize = 128;
 /// A scene with rows where its stencil does not hold.
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
+    /// Of what the stencil describes, and of the rest.
     parts: Parts,
+    row_parts: Parts,
     rows: SomeRows,
     /// Those that were among them and share lines.
     shared: SharedRows,
@@ -35,12 +37,15 @@ impl Mixed {
         scene: Arc<MixedScene>,
         mut rows: SomeRows,
     ) -> Self {
-        let parts = match problem.has_one_curve() {
-            true => Parts::of_factors(&scene.ratios),
-            false => Parts::of_materials(problem, &scene.lattice, |material| scene.ratio(material)),
+        let [parts, row_parts] = match problem.has_one_curve() {
+            true => [&scene.ratios[..], &[]].map(Parts::of_factors),
+            false => {
+                let ratio = |material: &Material| scene.ratio(material);
+                Parts::of_materials(problem, &scene.lattice, ratio, rows.rank())
+            }
         };
         let shared = SharedRows::take_from(&mut rows, scene.lattice.counts.iter().product());
-        Self { scene, parts, rows, shared }
+        Self { scene, parts, row_parts, rows, shared }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -76,11 +81,11 @@ impl Mixed {
                     parts.next(site).written(written).factor(now.values[site]) * rate;
             }
         }
-        let mut parts = self.parts.from(sites.start, &mut seen.parts);
+        let mut parts = self.row_parts.from(sites.start, &mut seen.row_parts);
         self.shared.rates(sites, &mut seen.shared, now.values, |site, rate| {
             out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
         });
-        let mut parts = self.parts.from(sites.start, &mut seen.parts);
+        let mut parts = self.row_parts.from(sites.start, &mut seen.row_parts);
         self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
             out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
         });
@@ -182,6 +187,6 @@ impl LatticeOperator for Mixed {
 
     fn memory_bytes(&self) -> usize {
         let rows = self.rows.memory_bytes() + self.shared.memory_bytes();
-        rows + self.parts.memory_bytes() + self.scene.memory_bytes()
+        rows + self.parts.memory_bytes() + self.row_parts.memory_bytes() + self.scene.memory_bytes()
     }
 }

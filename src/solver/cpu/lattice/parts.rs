@@ -13,19 +13,19 @@ use crate::solver::cpu::written::Written;
 pub(super) struct Parts {
     /// From which site on there is which kind, the first from 0.
     starts: Vec<(u32, u32)>,
-    kinds: Vec<Kind>,
+    kinds: Vec<PartKind>,
 }
 
 /// What is the same all along a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Kind {
+pub(super) struct PartKind {
     /// How many times that of the stencil rates are.
     pub(super) factor: f64,
     /// Which curve particles have.
     curve: u16,
 }
 
-impl Kind {
+impl PartKind {
     /// What is `written` where there is one.
     #[inline(always)]
     pub(super) fn written(self, written: Written<'_>) -> Combine {
@@ -36,31 +36,41 @@ impl Kind {
 impl Parts {
     /// Those of a lattice with one curve, where rates are the stencil's times some factors, the first from 0.
     pub(super) fn of_factors(factors: &[(u32, f64)]) -> Self {
-        let kind = |&(first, factor): &(u32, f64)| (first, Kind { factor, curve: 0 });
-        let whole = factors.is_empty().then_some((0, Kind { factor: 1.0, curve: 0 }));
+        let kind = |&(first, factor): &(u32, f64)| (first, PartKind { factor, curve: 0 });
+        let whole = factors.is_empty().then_some((0, PartKind { factor: 1.0, curve: 0 }));
         Self::of(whole.into_iter().chain(factors.iter().map(kind)))
     }
 
-    /// Those of a lattice with the particles of `problem`, of several curves, whose materials have factors.
+    /// Those of a lattice with the particles of `problem`, of several curves, whose materials have factors: of the sites
+    /// that are not among some `rows` (ascending), and of these. A stencil goes through a part at once, and what is at
+    /// rows does not count there.
     pub(super) fn of_materials(
         problem: &Problem,
         scene: &LatticeScene,
         factor: impl Fn(&Material) -> f64,
-    ) -> Self {
+        rows: &[u32],
+    ) -> [Self; 2] {
         let kinds = problem.materials.iter().zip(0..);
-        let kinds: Vec<Kind> =
-            kinds.map(|(material, curve)| Kind { factor: factor(material), curve }).collect();
-        // Empty sites are taken to be like those before them.
+        let kinds: Vec<PartKind> =
+            kinds.map(|(material, curve)| PartKind { factor: factor(material), curve }).collect();
         let numbers = problem.particles.material.iter().map(|&m| 1.0 + f64::from(m));
-        let of_site = scene.by_site(&numbers.collect::<Vec<_>>()).into_iter().zip(0..);
-        let mut there = of_site.filter(|&(number, _)| number > 0.0).peekable();
-        let first = there.peek().map(|&(number, _)| (number, 0));
-        let changes = first.into_iter().chain(there);
-        Self::of(changes.map(|(number, site)| (site, kinds[number as usize - 1])))
+        let of_site = scene.by_site(&numbers.collect::<Vec<_>>());
+        let mut rows = rows.iter().peekable();
+        let is_row: Vec<bool> =
+            (0..of_site.len() as u32).map(|site| rows.next_if_eq(&&site).is_some()).collect();
+        [false, true].map(|of_rows| {
+            let sites = (0..).zip(of_site.iter().zip(&is_row));
+            let there = sites.filter(|(_, (number, is_row))| **number > 0.0 && **is_row == of_rows);
+            let parts = there.map(|(site, (&number, _))| (site, kinds[number as usize - 1]));
+            let mut parts = parts.peekable();
+            // All others are taken to be like those before them.
+            let first = parts.peek().map_or(kinds[0], |&(_, kind)| kind);
+            Self::of([(0, first)].into_iter().chain(parts))
+        })
     }
 
     /// Those of sites that ascend, with which kind there is from each on.
-    fn of(sites: impl Iterator<Item = (u32, Kind)>) -> Self {
+    fn of(sites: impl Iterator<Item = (u32, PartKind)>) -> Self {
         let (mut parts, mut known) =
             (Self { starts: Vec::new(), kinds: Vec::new() }, HashMap::new());
         let mut last = None;
@@ -84,7 +94,7 @@ impl Parts {
 
     /// The kind at a site, looked for as by [`Self::seek`].
     #[inline]
-    pub(super) fn at(&self, site: usize, near: &mut usize) -> Kind {
+    pub(super) fn at(&self, site: usize, near: &mut usize) -> PartKind {
         self.kinds[self.starts[self.seek(site, near) - 1].1 as usize]
     }
 
@@ -104,7 +114,7 @@ impl Parts {
 #[derive(Clone, Copy)]
 pub(super) struct Rest<'a> {
     starts: &'a [(u32, u32)],
-    kinds: &'a [Kind],
+    kinds: &'a [PartKind],
 }
 
 impl<'a> Rest<'a> {
@@ -113,7 +123,7 @@ impl<'a> Rest<'a> {
     pub(super) fn within(
         self,
         sites: Range<usize>,
-    ) -> impl Iterator<Item = (Range<usize>, Kind)> + 'a {
+    ) -> impl Iterator<Item = (Range<usize>, PartKind)> + 'a {
         let (mut rest, mut first) = (self, sites.start);
         std::iter::from_fn(move || {
             if first >= sites.end {
@@ -131,7 +141,7 @@ impl<'a> Rest<'a> {
 
     /// The kind at a site that is not before the first part: those before its part are left.
     #[inline(always)]
-    pub(super) fn next(&mut self, site: usize) -> Kind {
+    pub(super) fn next(&mut self, site: usize) -> PartKind {
         while self.end() <= site {
             self.starts = &self.starts[1..];
         }
@@ -140,7 +150,7 @@ impl<'a> Rest<'a> {
 
     /// That of the first part.
     #[inline(always)]
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> PartKind {
         self.kinds[self.starts[0].1 as usize]
     }
 
@@ -206,19 +216,35 @@ mod tests {
         };
         problem.particles.material = (0..count).map(material).collect();
         let scene = MixedScene::of(&problem).expect("a lattice");
-        let parts = Parts::of_materials(&problem, &scene.lattice, |material| scene.ratio(material));
-        assert!(parts.kinds.len() == 3 && parts.starts[0].0 == 0);
-        let mut rest = parts.from(0, &mut 0);
-        for (site, &particle) in scene.lattice.order.as_ref().expect("holes").iter().enumerate() {
-            let kind = rest.next(site);
-            if let Some(&of) = problem.particles.material.get(particle as usize) {
-                let of_material = [1.0, 0.5, 0.25][usize::from(of)];
-                assert_eq!((kind.curve, kind.factor), (of, of_material), "{site}");
+        let ratio = |material: &Material| scene.ratio(material);
+        let order = scene.lattice.order.as_ref().expect("holes");
+        for rows in [vec![], vec![3, 5, 30, 31, 32, 90]] {
+            let parts = Parts::of_materials(&problem, &scene.lattice, ratio, &rows);
+            for (of_rows, parts) in [false, true].into_iter().zip(parts) {
+                assert!(parts.kinds.len() <= 3 && parts.starts[0].0 == 0);
+                let (mut rest, mut found) = (parts.from(0, &mut 0), 0);
+                for (site, &particle) in order.iter().enumerate() {
+                    let kind = rest.next(site);
+                    assert_eq!(parts.at(site, &mut 0), kind);
+                    let Some(&of) = problem.particles.material.get(particle as usize) else {
+                        continue;
+                    };
+                    if rows.contains(&(site as u32)) != of_rows {
+                        continue;
+                    }
+                    let factor = [1.0, 0.5, 0.25][usize::from(of)];
+                    assert_eq!((kind.curve, kind.factor), (of, factor), "{site}");
+                    let written = [1.0, 2.0, 3.0].map(|factor| Combine::new(1.0, factor));
+                    assert_eq!(kind.written(Written::Each(&written)), written[usize::from(of)]);
+                    assert_eq!(kind.written(Written::Same(written[2])), written[2]);
+                    found += 1;
+                }
+                assert_eq!(found, if of_rows { rows.len() } else { count - rows.len() });
             }
         }
-        let written = [1.0, 2.0, 3.0].map(|factor| Combine::new(1.0, factor));
-        let of = |written: Written<'_>| parts.at(100, &mut 0).written(written);
-        assert_eq!(of(Written::Each(&written)), written[usize::from(parts.at(100, &mut 0).curve)]);
-        assert_eq!(of(Written::Same(written[2])), written[2]);
+        // Where all is rows but the ends, the stencil has two parts.
+        let rows: Vec<u32> = (4..140).collect();
+        let [stencil, _] = Parts::of_materials(&problem, &scene.lattice, ratio, &rows);
+        assert_eq!(stencil.starts.len(), 2);
     }
 }

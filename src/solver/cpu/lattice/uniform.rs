@@ -40,7 +40,10 @@ impl Uniform {
         let capacity = problem.particles.volume.first().map_or(0.0, |_| problem.capacity(0));
         let parts = match problem.has_one_curve() {
             true => Parts::of_factors(&[]),
-            false => Parts::of_materials(problem, &scene, |_| 1.0),
+            false => {
+                let [parts, _] = Parts::of_materials(problem, &scene, |_| 1.0, &[]);
+                parts
+            }
         };
         Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]), parts }
     }

@@ -24,7 +24,7 @@ use crate::model::wide::{self, Work, multiply_add};
 use crate::solver::cpu::operator::Combine;
 use crate::solver::cpu::written::Written;
 
-use super::parts::{Kind, Parts, Rest};
+use super::parts::{PartKind, Parts, Rest};
 
 use ends::NearEnd;
 use members::{Members, MembersOf};
@@ -86,8 +86,9 @@ pub(super) struct Seen {
     pub(super) rows: usize,
     /// Rows that share lines.
     pub(super) shared: usize,
-    /// Parts of the lattice.
+    /// Parts of the lattice, and of its rows.
     pub(super) parts: usize,
+    pub(super) row_parts: usize,
 }
 
 impl Scratch {
@@ -245,7 +246,7 @@ impl Around<'_> {
 
     /// What is written where there is a kind.
     #[inline(always)]
-    fn combine(&self, kind: Kind) -> Combine {
+    fn combine(&self, kind: PartKind) -> Combine {
         kind.written(self.written).times(kind.factor)
     }
 
