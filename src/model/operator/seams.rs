@@ -364,10 +364,10 @@ impl<A: FnMut(usize, f64, f64)> AddSeams<'_, A> {
     fn add<const FUSED: bool>(self, mean: impl Fn(f64, f64) -> f64) -> f64 {
         let Self { of, mut rows, locals, mut add } = self;
         let mut given = 0.0;
-        while let Some(&kind) = of.rows[rows.clone()].first() {
-            let few = of.rows[rows.clone()].first_chunk::<FEW>();
-            let are_alike = few.is_some_and(|few| few.iter().all(|which| *which == kind));
-            let (row, kind) = (rows.start, &of.kinds[kind as usize]);
+        while let left @ [kind, ..] = &of.rows[rows.clone()] {
+            let few = left.first_chunk::<FEW>();
+            let are_alike = few.is_some_and(|few| few.iter().all(|which| which == kind));
+            let (row, kind) = (rows.start, &of.kinds[*kind as usize]);
             if are_alike {
                 let rates = of.rates::<FUSED, FEW>(row, kind, locals, &mean);
                 for (row, rate) in (row..).zip(rates) {
@@ -425,10 +425,12 @@ impl Seams {
         add: &mut impl FnMut(usize, f64, f64),
     ) -> f64 {
         match kind.held {
-            Some(capacity) => return -capacity * rate,
-            None => add(self.places[row] as usize, locals.potentials[row], rate),
+            Some(capacity) => -capacity * rate,
+            None => {
+                add(self.places[row] as usize, locals.potentials[row], rate);
+                0.0
+            }
         }
-        0.0
     }
 }
 
