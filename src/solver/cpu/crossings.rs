@@ -25,20 +25,20 @@ pub(super) struct Crossings<'a, R> {
     pub(super) first: usize,
 }
 
-impl<R: Iterator<Item = (Range<usize>, CourseStep)>> Work for Crossings<'_, R> {
+impl<'s, R: Iterator<Item = (Range<usize>, &'s CourseStep)>> Work for Crossings<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Self { runs, now, out, found, first } = self;
-        for (run, CourseStep { phases, mushy }) in runs {
+        for (run, &CourseStep { phases, ref mushy, .. }) in runs {
             let local = run.start - first..run.end - first;
             let (now, out) = (&now[local.clone()], &mut out[local]);
             match mushy {
                 // What does not melt has one phase.
                 None if phases.limit == f64::INFINITY => {}
                 None => look::<FUSED>(phases, now, out, found, run.start),
-                Some(mushy) => look::<FUSED>((phases, mushy), now, out, found, run.start),
+                Some(mushy) => look::<FUSED>((phases, *mushy), now, out, found, run.start),
             }
         }
     }
@@ -163,9 +163,9 @@ mod tests {
     /// The potentials after a step of `dt` (s), and what passes to another phase in it.
     fn after(course: &Course, now: &[f64], rates: Vec<f64>, dt: f64) -> (Vec<f64>, Vec<usize>) {
         let (middle, mut out) = (now.len() / 2, rates);
-        course.step(dt).phases.write(now, &mut out);
-        let runs =
-            [0..middle, middle..now.len()].map(|run| (7 + run.start..7 + run.end, course.step(dt)));
+        let step = course.step(dt);
+        let runs = [0..middle, middle..now.len()].map(|run| (7 + run.start..7 + run.end, &step));
+        step.phases.write(now, &mut out);
         let (runs, mut found) = (runs.into_iter(), Vec::new());
         wide::run(Crossings { runs, now, out: &mut out, found: &mut found, first: 7 });
         (out, found.iter().map(|place| place - 7).collect::<Vec<_>>())

@@ -108,8 +108,9 @@ impl Enthalpy {
             }
             latent
         };
-        let parts: Vec<Latent> = parts.map(latent).collect();
-        Latent::of_parts(&parts)
+        let (parts, mut all): (Vec<Latent>, _) = (parts.map(latent).collect(), Latent::default());
+        all.replace_by(parts.iter());
+        all
     }
 
     /// Finds all enthalpies after Euler's steps, where potentials are `now` by the order of `operator`.

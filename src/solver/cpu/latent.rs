@@ -31,16 +31,20 @@ impl Latent {
         }
     }
 
-    /// Puts parts together that follow each other.
-    pub(super) fn of_parts(parts: &[Self]) -> Self {
-        let count = parts.iter().map(|part| part.places.len()).sum();
-        let mut all = Self::with_room(count, parts.iter().any(|part| !part.kinds.is_empty()));
+    /// Puts parts together that follow each other, in place of those that are there.
+    pub(super) fn replace_by<'a>(&mut self, parts: impl Iterator<Item = &'a Self>) {
+        self.truncate(0);
         for part in parts {
-            all.places.extend_from_slice(&part.places);
-            all.enthalpies.extend_from_slice(&part.enthalpies);
-            all.kinds.extend_from_slice(&part.kinds);
+            self.places.extend_from_slice(&part.places);
+            self.enthalpies.extend_from_slice(&part.enthalpies);
+            self.kinds.extend_from_slice(&part.kinds);
         }
-        all
+    }
+
+    fn truncate(&mut self, count: usize) {
+        self.places.truncate(count);
+        self.enthalpies.truncate(count);
+        self.kinds.truncate(count);
     }
 
     /// Takes a particle, with its kind unless all are of one: behind all others, or [`Self::sort`] has to follow.
@@ -56,9 +60,7 @@ impl Latent {
         let rest = (from..self.places.len()).map(|which| self.one(which));
         let mut rest: Vec<(usize, f64, Option<CurveAndLines>)> = rest.collect();
         rest.sort_by_key(|&(place, ..)| place);
-        self.places.truncate(from);
-        self.enthalpies.truncate(from);
-        self.kinds.truncate(from);
+        self.truncate(from);
         for (place, enthalpy, kind) in rest {
             self.push(place, enthalpy, kind);
         }
@@ -127,7 +129,9 @@ mod tests {
             latent.sort(1);
             assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
             assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
-            let twice = Latent::of_parts(&[latent.clone(), latent]);
+            let mut twice = Latent::default();
+            twice.push(2, 1.0, kind(2).filter(|_| has_kinds));
+            twice.replace_by([latent.clone(), latent].iter());
             for which in 0..10 {
                 let place = [9, 3, 4, 6, 8][which % 5];
                 assert_eq!(twice.one(which), (place, enthalpy(place), kind(place)));

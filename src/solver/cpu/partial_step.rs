@@ -3,6 +3,7 @@
 //! What it writes, potentials or rates, is added to, and potentials are what they should be, as soon as nothing is missing:
 //! while it is in a fast cache.
 
+use std::cmp::Reverse;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -120,21 +121,33 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         }
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
             let given = step(scratch, &mut task, out);
+            let first = task.places.start;
             let (by_held, latent) = task.finish();
-            (given + by_held, latent)
+            (first, given + by_held, latent)
         };
-        let done: Vec<(f64, Latent)> = if count < SERIAL {
+        let mut done: Vec<(usize, f64, Latent)> = if count < SERIAL {
             let mut scratch = scratch();
             tasks.into_iter().map(|task| work(&mut scratch, task)).collect()
         } else {
-            // One by one: some have more to do than others.
+            deal_out(&mut tasks, |(task, _)| task.exceptions());
             tasks.into_par_iter().with_max_len(1).map_init(scratch, work).collect()
         };
-        let (given, latent): (Vec<f64>, Vec<Latent>) = done.into_iter().unzip();
-        let latent = Latent::of_parts(&latent);
+        // Sums do not depend on that order.
+        done.sort_unstable_by_key(|&(first, ..)| first);
+        let mut latent = before;
+        latent.replace_by(done.iter().map(|(_, _, latent)| latent));
         enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
-        given.iter().sum()
+        done.iter().map(|(_, given, _)| given).sum()
     }
+}
+
+/// Puts tasks in an order in which halves of them, and halves of these, have as much to do as the others, first what
+/// takes longest. Threads get such parts: one that had all that takes long, or had it last, would have others wait.
+fn deal_out<T>(tasks: &mut Vec<T>, work: impl Fn(&T) -> usize) {
+    tasks.sort_by_key(|task| Reverse(work(task)));
+    let mut dealt: Vec<(usize, T)> = tasks.drain(..).enumerate().collect();
+    dealt.sort_unstable_by_key(|(rank, _)| rank.reverse_bits());
+    tasks.extend(dealt.into_iter().map(|(_, task)| task));
 }
 
 impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
@@ -171,6 +184,11 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             crossings: Vec::new(),
             curves_near: 0,
         }
+    }
+
+    /// How many particles take longer than others do: what melts, and what is at seams.
+    fn exceptions(&self) -> usize {
+        self.fronts.len() + self.seams.as_ref().map_or(0, SeamStep::len)
     }
 
     /// The places.
@@ -262,7 +280,8 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         for melting in take_below(before.places(), melting, places.end) {
             let (place, enthalpy, kind) = before.one(melting);
             let curve = usize::from(kind.unwrap_or_default().curve);
-            let enthalpy = enthalpy + dt * all.take_rate(place, curve, &mut out[place - first]);
+            let change = std::mem::replace(&mut out[place - first], now[place]) - now[place];
+            let enthalpy = enthalpy + steps[curve].per_change * change;
             match courses[curve].goes_on_melting(now[place], enthalpy) {
                 true => latent.push(place, enthalpy, kind),
                 false => changed.push((place, enthalpy)),
@@ -272,7 +291,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let (first, out) = (places.start, &mut out[places.start - first..places.end - first]);
             let runs = curves
                 .runs_near(places.clone(), curves_near)
-                .map(|(run, which)| (run, steps[which]));
+                .map(|(run, which)| (run, &steps[which]));
             let (now, found) = (&now[places], &mut *crossings);
             wide::run(Crossings { runs, now, out, found, first });
         });
@@ -334,5 +353,22 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         debug_assert_eq!(self.done, self.places.len(), "all taken on");
         debug_assert!(self.latent.places().is_sorted(), "looked up by place");
         (self.given, self.latent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_of_tasks_have_as_much_to_do_as_each_other() {
+        let mut tasks = vec![0, 0, 5, 0, 7, 6, 0, 4];
+        deal_out(&mut tasks, |&work| work);
+        assert_eq!(tasks, [7, 0, 5, 0, 6, 0, 4, 0]);
+        let mut others: Vec<usize> = (0..13).collect();
+        deal_out(&mut others, |&work| work);
+        let sum = |part: &[usize]| part.iter().sum::<usize>();
+        assert!(sum(&others[..7]).abs_diff(sum(&others[7..])) < 13 && sum(&others) == 78);
+        assert_eq!(others[0], 12);
     }
 }

@@ -51,6 +51,11 @@ impl<'a> SeamStep<'a> {
         Self { seams, locals, groups: groups.iter_mut().map(take).collect() }
     }
 
+    /// To how many rows something is still to be added.
+    pub(super) fn len(&self) -> usize {
+        self.groups.iter().map(|group| group.to_add.len()).sum()
+    }
+
     /// Adds what the matrix does not know of flows between materials to what is `written` of the next places up to
     /// `end`, which is in `out` from place `first` on; returns what held particles gave beyond what it knows,
     /// value x capacity / s.

@@ -32,10 +32,11 @@ pub(in crate::solver::cpu) struct Add<'a, O: ?Sized> {
 struct Flow {
     /// Of the particle, K.
     potential: f64,
-    /// From a solid neighbour, and from a liquid one: how many times weight and difference are taken from what is
-    /// written of it, and given to the particle.
-    taken: [f64; 2],
-    gained: [f64; 2],
+    /// From a solid neighbour, and from a liquid one: how many times weight and difference it is.
+    excess: [f64; 2],
+    /// What is written of the particle is made of rates by the first factor, as what melts is not above where it does;
+    /// so is what is written of a solid neighbour, and by the other one of a liquid.
+    factors: [f64; 2],
 }
 
 impl Flow {
@@ -45,11 +46,8 @@ impl Flow {
         match fronts.front_of(curve) {
             Some(front) if front.is_in(enthalpy) => {
                 let [liquid, solid] = fronts.fronts.excess(front, enthalpy);
-                let [of_solid, of_liquid] = written.of(usize::from(curve)).factors;
-                // What melts is not above where it does.
-                let gained = [of_solid * solid, of_solid * liquid];
-                let taken = [of_solid * solid, of_liquid * liquid];
-                Self { potential: front.potential, taken, gained }
+                let factors = written.of(usize::from(curve)).factors;
+                Self { potential: front.potential, excess: [solid, liquid], factors }
             }
             _ => Self::default(),
         }
@@ -57,25 +55,26 @@ impl Flow {
 
     #[inline(always)]
     fn is_none(self) -> bool {
-        self.gained == [0.0; 2]
+        self.excess == [0.0; 2]
     }
 
     /// That where all weights are to be multiplied by a factor.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {
-        let [taken, gained] =
-            [self.taken, self.gained].map(|parts| parts.map(|part| factor * part));
-        Self { taken, gained, ..self }
+        match factor == 1.0 {
+            true => self,
+            false => Self { excess: self.excess.map(|part| factor * part), ..self },
+        }
     }
 
-    /// What is taken from a neighbour of some potential and weight, and what the particle gains. What melts too has the
-    /// same potential, and gives nothing.
+    /// What flows from a neighbour of some potential and weight, and what is taken from what is written of it. What melts
+    /// too has the same potential, and gives nothing.
     #[inline(always)]
     fn from(self, other: f64, weight: f64) -> [f64; 2] {
         let above = other - self.potential;
-        let product = weight * above;
-        [self.taken, self.gained]
-            .map(|[solid, liquid]| product * choose(above.is_sign_negative(), solid, liquid))
+        let of_phase = |[solid, liquid]: [f64; 2]| choose(above.is_sign_negative(), solid, liquid);
+        let flow = weight * above * of_phase(self.excess);
+        [flow, flow * of_phase(self.factors)]
     }
 }
 
@@ -102,7 +101,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                 *flow = Flow::of(of, written, kind.curve, enthalpy);
             }
             let mut gains = [[0.0; LANES]; FEW];
-            let particles = places.iter().zip(&kinds).zip(flows);
+            let particles = places.iter().zip(&kinds).zip(&flows);
             for (((&place, kind), flow), gain) in particles.zip(&mut gains) {
                 if flow.is_none() {
                     continue;
@@ -112,7 +111,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     let Some(ratio) = of.ratio(place, other) else {
                         return;
                     };
-                    let [taken, gained] = flow.from(potentials[other], weight);
+                    let [gained, taken] = flow.from(potentials[other], weight);
                     gain[0] += gained;
                     if let Some(out) = out.get_mut(other.wrapping_sub(own.start)) {
                         *out -= taken * ratio;
@@ -138,9 +137,9 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     }
                 }
             }
-            for (&place, gain) in places.iter().zip(gains) {
+            for ((&place, gain), flow) in places.iter().zip(&gains).zip(&flows) {
                 if let Some(out) = out.get_mut((place as usize).wrapping_sub(own.start)) {
-                    *out += sum_of(gain);
+                    *out += flow.factors[0] * sum_of(*gain);
                 }
             }
         }
@@ -160,6 +159,20 @@ fn along(
     out: &mut [f64],
 ) -> [f64; LANES] {
     let (mut gain, count) = ([0.0; LANES], out.len());
+    if let Some(out) = out.get_mut(first..first.wrapping_add(around.len())) {
+        // All of them are there, as a rule.
+        let around = &around[..out.len()];
+        for (&ahead, weights) in lines.all() {
+            let others = around[ahead..].first_chunk::<LANES>().expect("a line's length");
+            let out = out[ahead..].first_chunk_mut::<LANES>().expect("a line's length");
+            for x in 0..LANES {
+                let [gained, taken] = flow.from(others[x], weights[x]);
+                gain[x] += gained;
+                out[x] -= taken;
+            }
+        }
+        return gain;
+    }
     for (&ahead, weights) in lines.all() {
         let to = first.wrapping_add(ahead);
         let there = out.get_mut(to..to.wrapping_add(LANES));
@@ -170,8 +183,8 @@ fn along(
             around[ahead..ahead + LANES].try_into().expect("a line's length");
         let mut taken = [0.0; LANES];
         for x in 0..LANES {
-            let [from_it, gained] = flow.from(others[x], weights[x]);
-            taken[x] = from_it;
+            let gained;
+            [gained, taken[x]] = flow.from(others[x], weights[x]);
             gain[x] += gained;
         }
         match there {

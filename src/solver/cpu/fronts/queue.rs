@@ -36,6 +36,11 @@ impl Queue {
         Self { reach, rest, has_both_ends }
     }
 
+    /// How many are left.
+    pub(in crate::solver::cpu) fn len(&self) -> usize {
+        self.rest.iter().map(Range::len).sum()
+    }
+
     /// Whether any that are left may be added to places round the ends of an axis.
     fn goes_round(&self) -> bool {
         let [before, near, behind] = self.rest.each_ref().map(|which| !which.is_empty());

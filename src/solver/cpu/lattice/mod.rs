@@ -27,8 +27,8 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
-/// Tasks at least, where there are more than that of such values.
-const LEAST_TASKS: usize = 16;
+/// Tasks of an enthalpy's step, where there are more than that of such values.
+const TASKS: usize = 16;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
@@ -156,10 +156,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         enthalpy: &mut Enthalpy,
         dt: f64,
     ) -> f64 {
-        // What melts is looked at in every task that it has neighbours in.
-        let task = self.lines(TASK);
-        let task = task * (out.len() / task / LEAST_TASKS).max(1);
         let (nx, dimension) = (self.of.scene().counts[0], self.of.scene().dimension);
+        // What melts is looked at in every task that it has neighbours in: few tasks, which threads share evenly.
+        let task = TASK.max(out.len().div_ceil(TASKS));
+        let task = if nx < task { task.next_multiple_of(nx) } else { task };
         let part = L::PARTS[dimension - 1];
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());
