@@ -110,7 +110,13 @@ fn surveys_rates_fields_and_totals_agree_for_every_kernel_dimension_support_and_
 
 fn agree(problem: &Problem, name: &str) {
     let scene = MixedScene::of(problem).unwrap_or_else(|why| panic!("{name}: {why}"));
-    let (found, _) = scene.assemble(problem);
+    let (found, rows) = scene.assemble(problem);
+    for &site in rows.rank() {
+        let mut of_stencil = Vec::new();
+        scene.lattice.entries(site as usize, |other, _| of_stencil.push(other as u32));
+        let (others, _) = rows.entries_of(site as usize, &mut 0).expect("a row");
+        assert!(others.iter().all(|other| of_stencil.contains(other)), "{name}: {site}");
+    }
     let expected = survey(problem, &cell_grid(problem));
     assert_eq!(found.entries, expected.entries, "{name}");
     assert_eq!(found.most_neighbors, expected.most_neighbors, "{name}");

@@ -1,4 +1,4 @@
-// The same for the sites of a part of a lattice where more than the stencil acts.
+// What fronts change of a step of the sites of a part of a lattice where more than the stencil acts.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn exception_front(

@@ -151,7 +151,7 @@ impl Lattice {
                 heat.end_step(&mut source);
             }
             for (k, threads) in self.threads(sites) {
-                let mut buffers = self.buffers(k, sites, makes, fields);
+                let mut buffers = self.buffers(&self.source, k, sites, makes, fields);
                 buffers.extend(fields.heat.iter().flat_map(|heat| heat.of_step(k)));
                 passes.push(device.pass(&source, &buffers, threads)?);
             }
@@ -173,14 +173,11 @@ impl Lattice {
         if !FrontMakes::of(self.source.is_split).contains(&makes) {
             return Ok(passes);
         }
-        // Exceptions without rows of their own have the neighbours of the stencil. They come first, since the others
-        // take tiles off their list.
-        let has_exceptions = makes == FrontMakes::Flows || self.source.rows;
-        let exceptions = has_exceptions.then_some(Sites::Exceptions);
-        for sites in exceptions.into_iter().chain([Sites::All]) {
+        let of_fronts = self.source.of_fronts(makes);
+        for &sites in StencilSource::front_sites_of(makes) {
             let source = self.source.front(sites, heat.enthalpy.sources(), makes);
             for (k, threads) in self.threads(sites) {
-                let mut buffers = self.buffers(k, sites, Makes::Step, &fields);
+                let mut buffers = self.buffers(&of_fronts, k, sites, Makes::Step, &fields);
                 let beside = self.source.is_split.then_some(self.parts[k].beside);
                 buffers.extend(heat.of_front(fronts, makes, k, beside));
                 let pass = device.pass(&source, &buffers, threads)?;
@@ -207,9 +204,10 @@ impl Lattice {
         &self.exceptions
     }
 
-    /// The buffers of a pass on part `k`, in the order of its bindings.
+    /// The buffers of a pass of `source` on part `k`, in the order of its bindings.
     fn buffers<'a>(
         &'a self,
+        source: &StencilSource,
         k: usize,
         sites: Sites,
         makes: Makes,
@@ -225,7 +223,8 @@ impl Lattice {
         }
         buffers.extend([&fields.to[k], fields.step_size, &self.ghost_excess]);
         buffers.extend(self.entry.iter().flatten());
-        buffers.extend(self.kinds.iter().flat_map(|kinds| [&kinds.kind, &kinds.factor]));
+        let kinds = self.kinds.iter().filter(|_| source.kinds);
+        buffers.extend(kinds.flat_map(|kinds| [&kinds.kind, &kinds.factor]));
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
             buffers.extend(self.rows.iter().flat_map(|rows| [&rows.neighbor, &rows.weight]));

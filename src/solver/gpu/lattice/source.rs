@@ -82,16 +82,18 @@ impl StencilSource {
         let Self { precision, workgroup_size, .. } = *self;
         let of_curves = |kind| {
             let curves = CurvePasses { precision, workgroup_size, kind };
-            [Sites::All, Sites::Exceptions].into_iter().flat_map(move |sites| {
-                let step = |kept| {
+            let steps = [Sites::All, Sites::Exceptions].into_iter().flat_map(move |sites| {
+                [false, true].map(|kept| {
                     let mut source = self.pass(sites, Makes::Step);
                     curves.end_step(&mut source, kept);
                     source
-                };
-                let front = move |&makes: &FrontMakes| self.front(sites, curves, makes);
-                let steps = [false, true].map(step).into_iter();
-                steps.chain(FrontMakes::of(self.is_split).iter().map(front))
-            })
+                })
+            });
+            let fronts = FrontMakes::of(self.is_split).iter().flat_map(move |&makes| {
+                let front = move |&sites: &Sites| self.front(sites, curves, makes);
+                Self::front_sites_of(makes).iter().map(front)
+            });
+            steps.chain(fronts)
         };
         // A state in parts has one curve.
         let kinds = CurveKind::all(precision).into_iter();
@@ -106,6 +108,16 @@ impl StencilSource {
         match makes {
             Makes::Diagonal if !self.rows => &[Sites::All],
             _ => &[Sites::All, Sites::Exceptions],
+        }
+    }
+
+    /// The same of passes of fronts.
+    pub(super) fn front_sites_of(makes: FrontMakes) -> &'static [Sites] {
+        match makes {
+            // The neighbours of exceptions are among those that the stencil goes over.
+            FrontMakes::Near => &[Sites::All],
+            // Exceptions come first, since the others take tiles off their list.
+            FrontMakes::Flows => &[Sites::Exceptions, Sites::All],
         }
     }
 
@@ -174,10 +186,16 @@ impl StencilSource {
         }
     }
 
+    /// What passes of fronts have of it.
+    pub(super) fn of_fronts(&self, makes: FrontMakes) -> Self {
+        // What is listed is beside sites with rows of their own too, and weights do not count.
+        let kinds = self.kinds && makes == FrontMakes::Flows;
+        Self { walls: WallTerms::None, kinds, ..self.clone() }
+    }
+
     /// What fronts change of a step of some sites of a part, or the tiles where they may.
     pub(super) fn front(&self, sites: Sites, curves: CurvePasses, makes: FrontMakes) -> PassSource {
-        let free_of_walls = Self { walls: WallTerms::None, ..self.clone() };
-        let mut source = free_of_walls.pass(sites, Makes::Step);
+        let mut source = self.of_fronts(makes).pass(sites, Makes::Step);
         source.pass = match sites {
             Sites::All => "lattice_front",
             Sites::Exceptions => "exception_front",
