@@ -111,6 +111,7 @@ fn surveys_rates_fields_and_totals_agree_for_every_kernel_dimension_support_and_
 fn agree(problem: &Problem, name: &str) {
     let scene = MixedScene::of(problem).unwrap_or_else(|why| panic!("{name}: {why}"));
     let (found, rows) = scene.assemble(problem);
+    // A GPU finds by the stencil what is beside rows.
     for &site in rows.rank() {
         let mut of_stencil = Vec::new();
         scene.lattice.entries(site as usize, |other, _| of_stencil.push(other as u32));

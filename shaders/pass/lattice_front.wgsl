@@ -1,4 +1,5 @@
-// What fronts change of a step of a part of a lattice, but for its exceptions, or the tiles where they may.
+// What fronts change of a step of a part of a lattice, but for its exceptions; or lists the tiles where they may, beside
+// exceptions too.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn lattice_front(

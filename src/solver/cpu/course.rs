@@ -30,15 +30,14 @@ pub(super) struct Course {
 }
 
 /// A step that takes potentials on.
-#[derive(Clone, Copy)]
 pub(super) struct CourseStep {
     /// Of what is solid and of what is liquid.
     pub(super) phases: Combine,
     /// Of what is in between.
     pub(super) mushy: Option<MushyStep>,
-    /// How much enthalpy a change of the potential of a solid takes: of what melts at one temperature too, of which steps
-    /// write what a solid would have.
-    pub(super) per_change: f64,
+    /// How much enthalpy a change of the potential of a solid takes; of what melts at one temperature too, as that is not
+    /// above the limit of `phases`.
+    pub(super) enthalpy_per_change: f64,
 }
 
 /// A phase of constant properties.
@@ -101,7 +100,7 @@ impl Course {
         let factors = self.phases.each_ref().map(|phase| dt * phase.slope);
         let phases = Combine { share: 1.0, factors, limit: self.melts };
         let mushy = self.mushy.as_ref().map(|mushy| mushy.step(dt));
-        CourseStep { phases, mushy, per_change: 1.0 / self.phases[0].slope }
+        CourseStep { phases, mushy, enthalpy_per_change: 1.0 / self.phases[0].slope }
     }
 
     /// Whether a potential tells its enthalpy.

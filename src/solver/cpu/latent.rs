@@ -32,8 +32,12 @@ impl Latent {
     }
 
     /// Puts parts together that follow each other, in place of those that are there.
-    pub(super) fn replace_by<'a>(&mut self, parts: impl Iterator<Item = &'a Self>) {
+    pub(super) fn replace_by<'a>(&mut self, parts: impl Iterator<Item = &'a Self> + Clone) {
         self.truncate(0);
+        let count = parts.clone().map(|part| part.places.len()).sum();
+        self.places.reserve_exact(count);
+        self.enthalpies.reserve_exact(count);
+        self.kinds.reserve_exact(parts.clone().map(|part| part.kinds.len()).sum());
         for part in parts {
             self.places.extend_from_slice(&part.places);
             self.enthalpies.extend_from_slice(&part.enthalpies);

@@ -132,7 +132,7 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
             deal_out(&mut tasks, |(task, _)| task.exceptions());
             tasks.into_par_iter().with_max_len(1).map_init(scratch, work).collect()
         };
-        // Sums do not depend on that order.
+        // In order of places again, so that sums do not depend on how tasks were dealt out.
         done.sort_unstable_by_key(|&(first, ..)| first);
         let mut latent = before;
         latent.replace_by(done.iter().map(|(_, _, latent)| latent));
@@ -144,6 +144,9 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
 /// Puts tasks in an order in which halves of them, and halves of these, have as much to do as the others, first what
 /// takes longest. Threads get such parts: one that had all that takes long, or had it last, would have others wait.
 fn deal_out<T>(tasks: &mut Vec<T>, work: impl Fn(&T) -> usize) {
+    if tasks.iter().map(&work).max() == tasks.iter().map(&work).min() {
+        return;
+    }
     tasks.sort_by_key(|task| Reverse(work(task)));
     let mut dealt: Vec<(usize, T)> = tasks.drain(..).enumerate().collect();
     dealt.sort_unstable_by_key(|(rank, _)| rank.reverse_bits());
@@ -281,7 +284,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let (place, enthalpy, kind) = before.one(melting);
             let curve = usize::from(kind.unwrap_or_default().curve);
             let change = std::mem::replace(&mut out[place - first], now[place]) - now[place];
-            let enthalpy = enthalpy + steps[curve].per_change * change;
+            let enthalpy = enthalpy + steps[curve].enthalpy_per_change * change;
             match courses[curve].goes_on_melting(now[place], enthalpy) {
                 true => latent.push(place, enthalpy, kind),
                 false => changed.push((place, enthalpy)),
@@ -368,7 +371,10 @@ mod tests {
         let mut others: Vec<usize> = (0..13).collect();
         deal_out(&mut others, |&work| work);
         let sum = |part: &[usize]| part.iter().sum::<usize>();
-        assert!(sum(&others[..7]).abs_diff(sum(&others[7..])) < 13 && sum(&others) == 78);
+        assert!(sum(&others[..6]).abs_diff(sum(&others[6..])) < 13 && sum(&others) == 78);
         assert_eq!(others[0], 12);
+        let mut alike = vec![(3, 'a'), (3, 'b'), (3, 'c')];
+        deal_out(&mut alike, |&(work, _)| work);
+        assert_eq!(alike, [(3, 'a'), (3, 'b'), (3, 'c')]);
     }
 }

@@ -89,7 +89,9 @@ impl FrontMakes {
                 Self::Flows => Listed::Near,
             };
             source.constants.push(("LISTED", listed.bit()));
-            slots.extend(["front/listed", "front/near_listed"]);
+            slots.push("front/listed");
+            // Of those that go through what may be in no listed tile.
+            slots.extend((self == Self::Flows).then_some("front/near_listed"));
         }
         source.slots.retain(|slot| slot != STATE_END);
         source.slots.extend(slots.into_iter().map(str::to_owned));

@@ -27,7 +27,7 @@ pub(in crate::solver::cpu) struct Add<'a, O: ?Sized> {
     pub(in crate::solver::cpu) out: &'a mut [f64],
 }
 
-/// What flows to a melting particle beside what the operator has of it, as what is made of rates changes.
+/// What flows to a melting particle beside what the operator has of it, and what is made of that.
 #[derive(Clone, Copy, Default)]
 struct Flow {
     /// Of the particle, K.
@@ -62,6 +62,7 @@ impl Flow {
     #[inline(always)]
     fn times(self, factor: f64) -> Self {
         match factor == 1.0 {
+            // As a rule: compilers would multiply the flow of every neighbour.
             true => self,
             false => Self { excess: self.excess.map(|part| factor * part), ..self },
         }
@@ -147,8 +148,8 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 }
 
 /// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in
-/// `out` of these as far as they are there, where the first line begins at `first`; returns what the particle gains if
-/// it `is_own`: there, what lies beyond counts too.
+/// `out` of these as far as they are there, where the first line begins at `first`; returns what flows to the particle,
+/// if it `is_own`: there, what lies beyond counts too.
 #[inline(always)]
 fn along(
     lines: &Lines,

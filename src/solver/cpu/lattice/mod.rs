@@ -27,7 +27,7 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
-/// Tasks of an enthalpy's step, where there are more than that of such values.
+/// Tasks of an enthalpy's step at most, whatever the number of threads: fewer where they would have less than that.
 const TASKS: usize = 16;
 
 /// A lattice with what it has beyond its stencil.
@@ -157,9 +157,9 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         dt: f64,
     ) -> f64 {
         let (nx, dimension) = (self.of.scene().counts[0], self.of.scene().dimension);
-        // What melts is looked at in every task that it has neighbours in: few tasks, which threads share evenly.
+        // What melts is looked at in every task that it has neighbours in: few tasks, of which two threads get as many each.
         let task = TASK.max(out.len().div_ceil(TASKS));
-        let task = if nx < task { task.next_multiple_of(nx) } else { task };
+        let task = if nx <= TASK { task.next_multiple_of(nx) } else { task };
         let part = L::PARTS[dimension - 1];
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
         let scratch = || Scratch::new(self.of.scene());

@@ -204,7 +204,8 @@ impl Lattice {
         &self.exceptions
     }
 
-    /// The buffers of a pass of `source` on part `k`, in the order of its bindings.
+    /// The buffers of a pass of `source`, which is that of this lattice or what fronts have of it, on part `k`, in the order
+    /// of its bindings.
     fn buffers<'a>(
         &'a self,
         source: &StencilSource,
@@ -217,7 +218,7 @@ impl Lattice {
         let mut buffers = vec![&part.block];
         if makes != Makes::Diagonal {
             buffers.push(&fields.from[k]);
-            if self.source.is_split {
+            if source.is_split {
                 buffers.extend(part.beside.map(|other| &fields.from[other]));
             }
         }

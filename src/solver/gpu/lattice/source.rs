@@ -111,7 +111,7 @@ impl StencilSource {
         }
     }
 
-    /// The same of passes of fronts.
+    /// The sites that have passes of fronts of their own, in order.
     pub(super) fn front_sites_of(makes: FrontMakes) -> &'static [Sites] {
         match makes {
             // The neighbours of exceptions are among those that the stencil goes over.
@@ -188,7 +188,7 @@ impl StencilSource {
 
     /// What passes of fronts have of it.
     pub(super) fn of_fronts(&self, makes: FrontMakes) -> Self {
-        // What is listed is beside sites with rows of their own too, and weights do not count.
+        // Kinds would leave out sites with rows of their own, beside which tiles are listed too; weights do not count.
         let kinds = self.kinds && makes == FrontMakes::Flows;
         Self { walls: WallTerms::None, kinds, ..self.clone() }
     }
