@@ -134,7 +134,7 @@ mod tests {
             assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
             assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
             let mut twice = Latent::default();
-            twice.push(2, 1.0, kind(2).filter(|_| has_kinds));
+            twice.push(2, 1.0, kind(2));
             twice.replace_by([latent.clone(), latent].iter());
             for which in 0..10 {
                 let place = [9, 3, 4, 6, 8][which % 5];
