@@ -10,9 +10,10 @@
 //! cargo bench --bench melting -- --path list --particles 1e5 cube
 //! ```
 
-#![expect(clippy::print_stdout, reason = "what a bench is for")]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "what a bench is for")]
 
 use std::error::Error;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
@@ -258,8 +259,20 @@ fn measure(group: &Group, machine: &Machine, arguments: &Arguments) -> Result<()
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let mut code = ExitCode::SUCCESS;
+    // As the command does.
+    rayon::scope(|_| {
+        if let Err(error) = measure_all(&arguments) {
+            eprintln!("{error}");
+            code = ExitCode::FAILURE;
+        }
+    });
+    code
+}
+
+fn measure_all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let backend = if arguments.gpu { BackendWish::Gpu } else { BackendWish::Cpu };
     let wish = MachineWish { backend, adapter: None, precision: arguments.precision };
     let (machine, _) = Machine::open(&wish)?;
@@ -276,5 +289,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         |adapter| format!("{adapter}, {}", machine.kind().precision().name()),
     );
     println!("{place}: ns a particle and step");
-    wanted.into_iter().try_for_each(|group| measure(group, &machine, &arguments))
+    wanted.into_iter().try_for_each(|group| measure(group, &machine, arguments))
 }

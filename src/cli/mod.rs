@@ -125,8 +125,16 @@ impl CliError {
 
 /// Runs the command of this process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let result = match cli.command {
+    let Cli { command } = Cli::parse();
+    let mut code = ExitCode::SUCCESS;
+    // On a thread of the pool: one outside would wake the pool for every loop and wait for it, which takes a third of the
+    // time of small scenes.
+    rayon::scope(|_| code = execute(command));
+    code
+}
+
+fn execute(command: Command) -> ExitCode {
+    let result = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Study(arguments) => study::study(&arguments),
