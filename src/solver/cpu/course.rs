@@ -23,6 +23,8 @@ pub(super) struct Course {
     ends: f64,
     /// The potential above which it is liquid, K.
     melts: f64,
+    /// How much more what melts at one temperature conducts as its enthalpy rises, W/(m K2).
+    rise: f64,
     /// What it is in between, if it melts over a range.
     mushy: Option<Mushy>,
     /// None where enthalpy, temperature and potential are one.
@@ -68,6 +70,7 @@ impl Course {
                 begins: never,
                 ends: never,
                 melts: never,
+                rise: 0.0,
                 mushy: None,
                 curve: None,
             });
@@ -84,10 +87,14 @@ impl Course {
             temperature: end.temperature,
             conductivity: curve.conductivity_of(segment)[0],
         };
+        let (begins, ends) = (melting.start, liquid.start);
+        let phases = [phase(solid, melting), phase(liquid, liquid)];
+        let [of_solid, of_liquid] = phases.each_ref().map(|phase| phase.conductivity);
         Some(Self {
-            phases: [phase(solid, melting), phase(liquid, liquid)],
-            begins: melting.start,
-            ends: liquid.start,
+            phases,
+            begins,
+            ends,
+            rise: (of_liquid - of_solid) / (ends - begins),
             // The sign of a difference to it counts, also to 0.
             melts: liquid.potential + 0.0,
             mushy,
@@ -155,15 +162,41 @@ impl Course {
         if let Some(mushy) = self.mushy.as_ref().filter(|mushy| mushy.has(potential)) {
             return mushy.state(potential);
         }
+        self.state_of_phases::<FUSED>(potential, melting)
+    }
+
+    /// The same of what is not in between, without a branch.
+    #[inline(always)]
+    fn state_of_phases<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         let [solid, liquid] = &self.phases;
         let is_liquid = potential > self.melts;
         let of = |get: fn(&Phase) -> f64| choose(is_liquid, get(liquid), get(solid));
         let above = potential - of(|phase| phase.potential);
         let temperature =
             multiply_add::<FUSED>(of(|phase| phase.warming), above, of(|phase| phase.temperature));
-        let rise = (liquid.conductivity - solid.conductivity) / (self.ends - self.begins);
-        let of_melting = multiply_add::<FUSED>(rise, melting - self.begins, solid.conductivity);
+        let of_melting =
+            multiply_add::<FUSED>(self.rise, melting - self.begins, solid.conductivity);
         [temperature, choose(melting.is_nan(), of(|phase| phase.conductivity), of_melting)]
+    }
+
+    /// [`Self::state`] of several.
+    #[inline(always)]
+    pub(super) fn states<const COUNT: usize, const FUSED: bool>(
+        &self,
+        potentials: &[f64; COUNT],
+        melting: &[f64; COUNT],
+    ) -> [[f64; 2]; COUNT] {
+        let mut states = [[0.0; 2]; COUNT];
+        if self.mushy.is_none() {
+            for x in 0..COUNT {
+                states[x] = self.state_of_phases::<FUSED>(potentials[x], melting[x]);
+            }
+        } else {
+            for x in 0..COUNT {
+                states[x] = self.state::<FUSED>(potentials[x], melting[x]);
+            }
+        }
+        states
     }
 }
 

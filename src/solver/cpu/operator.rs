@@ -190,10 +190,9 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
     enthalpy: &mut Enthalpy,
     dt: f64,
 ) -> f64 {
-    // What melts is looked at again in every part that it has neighbours in; a sum over parts must not depend on
-    // the number of threads.
-    let task = out.len().div_ceil(PARTS).max(CHUNK);
-    let step = WholeStep::new(operator, now.values, dt, task, enthalpy.scene());
+    // What melts is looked at again in every part that it has neighbours in.
+    let part = out.len().div_ceil(PARTS).max(CHUNK);
+    let step = WholeStep::new(operator, now.values, dt, part, enthalpy.scene());
     // Rows are gone through once more where each curve has its own: they are far longer than what is written.
     let (at_once, later) = match step.written() {
         Written::Same(combine) => (combine, false),
@@ -204,10 +203,9 @@ fn step_in_turn<O: CpuOperator + ?Sized>(
         if later {
             step.write_of_rates(out);
         }
-        step.take_on(out, out.len());
-        0.0
+        step.take_on(out, out.len(), 0.0);
     };
-    given + step.take(enthalpy, out, || (), take_on)
+    given + step.take(1, enthalpy, out, || (), take_on)
 }
 
 /// As [`CpuOperator::apply`]; returns what walls gave as well.

@@ -40,7 +40,8 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     /// Which of those that were latent before are among the places that are left, where steps go by potentials.
     melting: Range<usize>,
     latent: Latent,
-    given: f64,
+    /// What held particles gave, value x capacity / s, by [`WholeStep::part`] of the places.
+    given: Vec<f64>,
     /// Of [`Self::go_on`] alone: places whose potentials are to be found from their enthalpies, with these, and those
     /// that pass to another phase.
     changed: Vec<(usize, f64)>,
@@ -56,8 +57,8 @@ pub(super) struct WholeStep<'a, O: ?Sized> {
     now: &'a [f64],
     /// s
     dt: f64,
-    /// Places of a task.
-    task: usize,
+    /// Places of which sums are made together: those of all are sums of these, which do not depend on the tasks.
+    part: usize,
     /// How potentials go on, by course, if there are any.
     steps: Vec<CourseStep>,
     /// What is written before anything is added: these, by curve, or rates where there are none.
@@ -65,19 +66,19 @@ pub(super) struct WholeStep<'a, O: ?Sized> {
 }
 
 impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
-    /// A step of `dt` (s) of a scene with potentials `now`, in tasks of so many places.
+    /// A step of `dt` (s) of a scene with potentials `now`, of which parts of so many places are taken on.
     pub(super) fn new(
         operator: &'a O,
         now: &'a [f64],
         dt: f64,
-        task: usize,
+        part: usize,
         scene: &HeatScene,
     ) -> Self {
         let courses = scene.curves.courses().unwrap_or_default();
         let steps: Vec<CourseStep> = courses.iter().map(|course| course.step(dt)).collect();
         let written = steps.iter().map(|step| step.phases).collect();
         debug_assert!(dt > 0.0, "rates are found again from what is written");
-        Self { operator, now, dt, task, steps, written }
+        Self { operator, now, dt, part, steps, written }
     }
 
     /// What the operator is to write.
@@ -96,15 +97,16 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         rate
     }
 
-    /// Takes `enthalpy` the step on in tasks, and writes its potentials to `out`. `step` has the operator write a
-    /// task's places with what `scratch` has made, has them [taken on](PartialStep::take_on) and returns what held
-    /// particles gave so far; returns what they gave together, value x capacity / s.
+    /// Takes `enthalpy` the step on in tasks of so many parts, and writes its potentials to `out`. `step` has the operator
+    /// write a task's places with what `scratch` has made, and has them [taken on](PartialStep::take_on); returns what
+    /// held particles gave, value x capacity / s.
     pub(super) fn take<S>(
         &self,
+        parts: usize,
         enthalpy: &mut Enthalpy,
         out: &mut [f64],
         scratch: impl Fn() -> S + Send + Sync,
-        step: impl Fn(&mut S, &mut PartialStep<'_, O>, &mut [f64]) -> f64 + Send + Sync,
+        step: impl Fn(&mut S, &mut PartialStep<'_, O>, &mut [f64]) + Send + Sync,
     ) -> f64 {
         let (scene, begun, enthalpies) = enthalpy.parts();
         let Begun { latent: before, at_seams: [locals, mut after] } = begun;
@@ -112,20 +114,19 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         let mut first = 0;
         let mut seams =
             scene.seams.as_ref().map(|seams| SeamStep::of_all(seams, &locals, &mut after));
-        let mut tasks = Vec::with_capacity(count.div_ceil(self.task));
-        for (out, enthalpies) in out.chunks_mut(self.task).zip(enthalpies.chunks_mut(self.task)) {
+        let task = parts * self.part;
+        let mut tasks = Vec::with_capacity(count.div_ceil(task));
+        for (out, enthalpies) in out.chunks_mut(task).zip(enthalpies.chunks_mut(task)) {
             let places = first..first + out.len();
             first = places.end;
             let seams = seams.as_mut().map(|seams| seams.take(places.end));
             tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
         }
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
-            let given = step(scratch, &mut task, out);
-            let first = task.places.start;
-            let (by_held, latent) = task.finish();
-            (first, given + by_held, latent)
+            step(scratch, &mut task, out);
+            (task.places.start, task.finish())
         };
-        let mut done: Vec<(usize, f64, Latent)> = if count < SERIAL {
+        let mut done: Vec<(usize, (Vec<f64>, Latent))> = if count < SERIAL {
             let mut scratch = scratch();
             tasks.into_iter().map(|task| work(&mut scratch, task)).collect()
         } else {
@@ -135,9 +136,9 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         // In order of places again, so that sums do not depend on how tasks were dealt out.
         done.sort_unstable_by_key(|&(first, ..)| first);
         let mut latent = before;
-        latent.replace_by(done.iter().map(|(_, _, latent)| latent));
+        latent.replace_by(done.iter().map(|(_, (_, latent))| latent));
         enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
-        done.iter().map(|(_, given, _)| given).sum()
+        done.iter().flat_map(|(_, (given, _))| given).sum()
     }
 }
 
@@ -168,6 +169,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             None => Queue::default(),
         };
         let melting = within(before.places(), &places);
+        let given = places.len().div_ceil(all.part);
         // About as many as before.
         let count = melting.len() + melting.len() / 4;
         Self {
@@ -182,7 +184,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             has_fronts: false,
             melting,
             latent: Latent::with_room(count, scene.has_kinds()),
-            given: 0.0,
+            given: vec![0.0; given],
             changed: Vec::new(),
             crossings: Vec::new(),
             curves_near: 0,
@@ -221,13 +223,16 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
     }
 
     /// Takes on what nothing is missing of: of the first `known` places the operator has written everything to `out`,
-    /// where potentials after the step are written.
-    pub(super) fn take_on(&mut self, out: &mut [f64], known: usize) {
+    /// where potentials after the step are written, and held particles in the last part of these have `given` so much,
+    /// value x capacity / s.
+    pub(super) fn take_on(&mut self, out: &mut [f64], known: usize, given: f64) {
         let first = self.places.start;
         let WholeStep { operator, now, .. } = *self.all;
         let (scene, before, written) = (self.scene, self.before, self.all.written());
+        let of_part = &mut self.given[(known - 1) / self.all.part];
+        *of_part += given;
         if let Some(seams) = &mut self.seams {
-            self.given += seams.add(first + known, first, written, out);
+            *of_part += seams.add(first + known, first, written, out);
         }
         let mut ready = known;
         if let Some(fronts) = &scene.fronts {
@@ -268,7 +273,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let held = held as usize;
             let curve = self.scene.curves.which(held);
             let rate = self.all.take_rate(held, curve, &mut out[held - first]);
-            self.given -= fronts.capacity(held) * rate;
+            self.given[(held - self.places.start) / self.all.part] -= fronts.capacity(held) * rate;
         }
     }
 
@@ -351,8 +356,8 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         });
     }
 
-    /// What held particles among the places gave, value x capacity / s, and what is latent after the step.
-    fn finish(self) -> (f64, Latent) {
+    /// What held particles among the places gave, value x capacity / s by part, and what is latent after the step.
+    fn finish(self) -> (Vec<f64>, Latent) {
         debug_assert_eq!(self.done, self.places.len(), "all taken on");
         debug_assert!(self.latent.places().is_sorted(), "looked up by place");
         (self.given, self.latent)

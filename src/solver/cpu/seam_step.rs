@@ -128,14 +128,13 @@ impl Work for Note<'_> {
                 of_place[x] = potentials[place as usize - first];
                 melting[x] = latent.next(place as usize, &mut near).unwrap_or(f64::NAN);
             }
-            let [mut temperatures, mut terms] = [[0.0; FEW]; 2];
+            let states = course.states::<FEW, FUSED>(&of_place, &melting);
+            let mut terms = [0.0; FEW];
             for x in 0..FEW {
-                let conductivity;
-                [temperatures[x], conductivity] = course.state::<FUSED>(of_place[x], melting[x]);
-                terms[x] = seams.term(conductivity);
+                terms[x] = seams.term(states[x][1]);
             }
             for x in 0..places.len() {
-                let [temperature, potential, term] = [temperatures[x], of_place[x], terms[x]];
+                let [temperature, potential, term] = [states[x][0], of_place[x], terms[x]];
                 locals.set(row + x, Local { temperature, potential, term });
             }
             row += places.len();

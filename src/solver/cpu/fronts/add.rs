@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::FrontFlows;
-use crate::model::wide::{Work, choose, sum_of};
+use crate::model::wide::{Work, choose, multiply_add, sum_of};
 use crate::solver::cpu::entries::{Entries, LANES, Lines, Near};
 use crate::solver::cpu::latent::{CurveAndLines, Latent};
 use crate::solver::cpu::operator::CpuOperator;
@@ -34,9 +34,10 @@ struct Flow {
     potential: f64,
     /// From a solid neighbour, and from a liquid one: how many times weight and difference it is.
     excess: [f64; 2],
-    /// What is written of the particle is made of rates by the first factor, as what melts is not above where it does;
-    /// so is what is written of a solid neighbour, and by the other one of a liquid.
-    factors: [f64; 2],
+    /// How many times these is taken from what is written of the neighbour.
+    taken: [f64; 2],
+    /// What is written of the particle is made of rates by this.
+    factor: f64,
 }
 
 impl Flow {
@@ -45,9 +46,15 @@ impl Flow {
     fn of(fronts: &FrontFlows, written: Written<'_>, curve: u16, enthalpy: f64) -> Self {
         match fronts.front_of(curve) {
             Some(front) if front.is_in(enthalpy) => {
-                let [liquid, solid] = fronts.fronts.excess(front, enthalpy);
-                let factors = written.of(usize::from(curve)).factors;
-                Self { potential: front.potential, excess: [solid, liquid], factors }
+                let [from_liquid, from_solid] = fronts.fronts.excess(front, enthalpy);
+                let [solid, liquid] = written.of(usize::from(curve)).factors;
+                Self {
+                    potential: front.potential,
+                    excess: [from_solid, from_liquid],
+                    taken: [from_solid * solid, from_liquid * liquid],
+                    // What melts is not above where it does.
+                    factor: solid,
+                }
             }
             _ => Self::default(),
         }
@@ -64,18 +71,36 @@ impl Flow {
         match factor == 1.0 {
             // As a rule: compilers would multiply the flow of every neighbour.
             true => self,
-            false => Self { excess: self.excess.map(|part| factor * part), ..self },
+            false => {
+                let [excess, taken] = [self.excess, self.taken].map(|of| of.map(|x| factor * x));
+                Self { excess, taken, ..self }
+            }
         }
     }
 
-    /// What flows from a neighbour of some potential and weight, and what is taken from what is written of it. What melts
-    /// too has the same potential, and gives nothing.
+    /// Adds what flows from a neighbour of some potential and weight to `gain`, and takes it from what is written of the
+    /// neighbour. What melts too has the same potential, and gives nothing.
     #[inline(always)]
-    fn from(self, other: f64, weight: f64) -> [f64; 2] {
+    fn add<const FUSED: bool>(self, other: f64, weight: f64, gain: &mut f64, out: &mut f64) {
         let above = other - self.potential;
         let of_phase = |[solid, liquid]: [f64; 2]| choose(above.is_sign_negative(), solid, liquid);
-        let flow = weight * above * of_phase(self.excess);
-        [flow, flow * of_phase(self.factors)]
+        let flow = weight * above;
+        *gain = multiply_add::<FUSED>(flow, of_phase(self.excess), *gain);
+        *out = multiply_add::<FUSED>(-flow, of_phase(self.taken), *out);
+    }
+
+    /// The same of a line.
+    #[inline(always)]
+    fn add_line<const FUSED: bool>(
+        self,
+        others: &[f64; LANES],
+        weights: &[f64; LANES],
+        gain: &mut [f64; LANES],
+        out: &mut [f64; LANES],
+    ) {
+        for x in 0..LANES {
+            self.add::<FUSED>(others[x], weights[x], &mut gain[x], &mut out[x]);
+        }
     }
 }
 
@@ -112,10 +137,10 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                     let Some(ratio) = of.ratio(place, other) else {
                         return;
                     };
-                    let [gained, taken] = flow.from(potentials[other], weight);
-                    gain[0] += gained;
+                    let mut given = 0.0;
+                    flow.add::<FUSED>(potentials[other], weight, &mut gain[0], &mut given);
                     if let Some(out) = out.get_mut(other.wrapping_sub(own.start)) {
-                        *out -= taken * ratio;
+                        *out += given * ratio;
                     }
                 };
                 let (entries, are_alike) = of.entries(place, kind.lines, operator, &mut near);
@@ -127,7 +152,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                                 let flow = flow.times(factor);
                                 let first = start.wrapping_sub(own.start);
                                 let is_own = own.contains(&place);
-                                *gain = along(lines, flow, around, first, is_own, out);
+                                *gain = along::<FUSED>(lines, flow, around, first, is_own, out);
                             }
                             _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                         }
@@ -140,7 +165,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
             }
             for ((&place, gain), flow) in places.iter().zip(&gains).zip(&flows) {
                 if let Some(out) = out.get_mut((place as usize).wrapping_sub(own.start)) {
-                    *out += flow.factors[0] * sum_of(*gain);
+                    *out += flow.factor * sum_of(*gain);
                 }
             }
         }
@@ -151,7 +176,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
 /// `out` of these as far as they are there, where the first line begins at `first`; returns what flows to the particle,
 /// if it `is_own`: there, what lies beyond counts too.
 #[inline(always)]
-fn along(
+fn along<const FUSED: bool>(
     lines: &Lines,
     flow: Flow,
     around: &[f64],
@@ -164,38 +189,32 @@ fn along(
         // All of them are there, as a rule.
         let around = &around[..out.len()];
         for (&ahead, weights) in lines.all() {
-            let others = around[ahead..].first_chunk::<LANES>().expect("a line's length");
-            let out = out[ahead..].first_chunk_mut::<LANES>().expect("a line's length");
-            for x in 0..LANES {
-                let [gained, taken] = flow.from(others[x], weights[x]);
-                gain[x] += gained;
-                out[x] -= taken;
-            }
+            let others = around[ahead..].first_chunk().expect("a line's length");
+            let out = out[ahead..].first_chunk_mut().expect("a line's length");
+            flow.add_line::<FUSED>(others, weights, &mut gain, out);
         }
         return gain;
     }
     for (&ahead, weights) in lines.all() {
+        let others = around[ahead..].first_chunk().expect("a line's length");
         let to = first.wrapping_add(ahead);
-        let there = out.get_mut(to..to.wrapping_add(LANES));
-        if there.is_none() && !is_own && is_beyond(to, count) {
-            continue;
-        }
-        let others: &[f64; LANES] =
-            around[ahead..ahead + LANES].try_into().expect("a line's length");
-        let mut taken = [0.0; LANES];
-        for x in 0..LANES {
-            let gained;
-            [gained, taken[x]] = flow.from(others[x], weights[x]);
-            gain[x] += gained;
-        }
-        match there {
-            Some(out) => {
-                for x in 0..LANES {
-                    out[x] -= taken[x];
+        let is_beyond = is_beyond(to, count);
+        match out.get_mut(to..to.wrapping_add(LANES)).and_then(<[f64]>::first_chunk_mut) {
+            Some(out) => flow.add_line::<FUSED>(others, weights, &mut gain, out),
+            None if is_beyond && !is_own => {}
+            None => {
+                // Some of the line, or none.
+                let mut line = [0.0; LANES];
+                for (x, line) in line.iter_mut().enumerate() {
+                    *line = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
+                }
+                flow.add_line::<FUSED>(others, weights, &mut gain, &mut line);
+                for (x, line) in line.iter().enumerate() {
+                    if let Some(out) = out.get_mut(to.wrapping_add(x)) {
+                        *out = *line;
+                    }
                 }
             }
-            None if is_beyond(to, count) => {}
-            None => take_some(&taken, to, out),
         }
     }
     gain
@@ -206,14 +225,4 @@ fn along(
 fn is_beyond(first: usize, count: usize) -> bool {
     // What begins before the first has wrapped around.
     first >= count && first.wrapping_add(LANES - 1) >= count
-}
-
-/// Takes what is `taken` along a line that begins at `first` of `out` from this, as far as it is there.
-#[inline(always)]
-fn take_some(taken: &[f64; LANES], first: usize, out: &mut [f64]) {
-    for (x, taken) in taken.iter().enumerate() {
-        if let Some(out) = out.get_mut(first.wrapping_add(x)) {
-            *out -= taken;
-        }
-    }
 }

@@ -27,8 +27,11 @@ pub(super) use uniform::Uniform;
 
 /// Values that one parallel task works on, about: enough to be worth handing out.
 const TASK: usize = 1 << 14;
-/// Tasks of an enthalpy's step at most, whatever the number of threads: fewer where they would have less than that.
-const TASKS: usize = 16;
+/// Tasks of an enthalpy's step that a thread gets at most.
+const TASKS: usize = 4;
+/// What melts is looked at in every task that it has neighbours in: tasks of so many times as many places as neighbours
+/// are away, at least.
+const REACHES: usize = 4;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
@@ -97,6 +100,17 @@ impl<L: LatticeOperator> Lattice<L> {
         let nx = self.of.scene().counts[0];
         if nx < most { nx * (most / nx) } else { most }
     }
+
+    /// Into how many tasks an enthalpy's step of so many places is divided: as many for each thread, where there are
+    /// enough.
+    fn tasks(&self, places: usize) -> usize {
+        let threads = rayon::current_num_threads();
+        let most = places / TASK.max(REACHES * self.reach());
+        match most / threads {
+            0 => (places / TASK).clamp(1, threads),
+            of_each => threads * of_each.min(TASKS),
+        }
+    }
 }
 
 impl<L: LatticeOperator> CpuOperator for Lattice<L> {
@@ -157,26 +171,23 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         dt: f64,
     ) -> f64 {
         let (nx, dimension) = (self.of.scene().counts[0], self.of.scene().dimension);
-        // What melts is looked at in every task that it has neighbours in: few tasks, of which two threads get as many each.
-        let task = TASK.max(out.len().div_ceil(TASKS));
-        let task = if nx <= TASK { task.next_multiple_of(nx) } else { task };
         let part = L::PARTS[dimension - 1];
         let part = self.lines(if nx > TASK { part } else { part.max(nx) });
+        let parts = out.len().div_ceil(part).div_ceil(self.tasks(out.len()));
         let scratch = || Scratch::new(self.of.scene());
-        let whole = WholeStep::new(self, now.values, dt, task, enthalpy.scene());
+        let whole = WholeStep::new(self, now.values, dt, part, enthalpy.scene());
         let written = whole.written();
         let step = |scratch: &mut Scratch, step: &mut PartialStep<'_, Self>, out: &mut [f64]| {
-            let (first, mut given) = (step.places().start, 0.0);
+            let first = step.places().start;
             for known in (0..out.len()).step_by(part) {
                 let next = (known + part).min(out.len());
                 step.fetch(next - known);
                 let of_part = &mut out[known..next];
-                given += self.of.advance(scratch, now, first + known, of_part, written);
-                step.take_on(out, next);
+                let given = self.of.advance(scratch, now, first + known, of_part, written);
+                step.take_on(out, next, given);
             }
-            given
         };
-        whole.take(enthalpy, out, scratch, step)
+        whole.take(parts, enthalpy, out, scratch, step)
     }
 
     fn has_particle(&self, place: usize) -> bool {
