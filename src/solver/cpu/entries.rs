@@ -1,5 +1,7 @@
 //! The neighbours of a particle, as operators have them.
 
+use std::ops::Range;
+
 use crate::model::wide::{multiply_add, sum_of};
 
 /// Places of a line.
@@ -47,10 +49,34 @@ impl Lines {
         self.ahead.last().map_or(0, |last| last + LANES)
     }
 
-    /// How far each begins from the first, and its weights.
+    /// How many there are.
     #[inline(always)]
-    pub(super) fn all(&self) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
-        self.ahead.iter().zip(&self.weights)
+    pub(super) fn len(&self) -> usize {
+        self.ahead.len()
+    }
+
+    /// How far some of them begin from the first, and their weights.
+    #[inline(always)]
+    pub(super) fn some(
+        &self,
+        which: Range<usize>,
+    ) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
+        self.ahead[which.clone()].iter().zip(&self.weights[which])
+    }
+
+    /// Which of them are whole among so many places, if the first begins at `first` of these, where one that begins
+    /// before them has wrapped around.
+    #[inline(always)]
+    pub(super) fn within(&self, first: usize, count: usize) -> Range<usize> {
+        let firsts = count.saturating_sub(LANES - 1);
+        let is_within = |ahead: &usize| first.wrapping_add(*ahead) < firsts;
+        let ends = [self.ahead.first(), self.ahead.last()];
+        if ends.into_iter().flatten().all(is_within) {
+            return 0..self.len();
+        }
+        let start = self.ahead.iter().take_while(|ahead| !is_within(ahead)).count();
+        let whole = self.ahead[start..].iter().take_while(|ahead| is_within(ahead)).count();
+        start..start + whole
     }
 
     /// sum_b w_ab (C_b - C_a) of the particle in a place, of a constant field exactly 0; all that the lines go over has
@@ -59,7 +85,7 @@ impl Lines {
     pub(super) fn rate<const FUSED: bool>(&self, place: usize, values: &[f64]) -> f64 {
         let (start, own) = (self.start(place), values[place]);
         let (around, mut sum) = (&values[start..start + self.span()], [0.0; LANES]);
-        for (&ahead, weights) in self.all() {
+        for (&ahead, weights) in self.some(0..self.len()) {
             let line: &[f64; LANES] =
                 around[ahead..ahead + LANES].try_into().expect("a line's length");
             for x in 0..LANES {
@@ -87,7 +113,7 @@ impl Lines {
     #[inline(always)]
     fn are_all(&self, place: usize, mut is_so: impl FnMut(usize, f64) -> bool) -> bool {
         let start = self.start(place);
-        self.all().all(|(ahead, weights)| {
+        self.some(0..self.len()).all(|(ahead, weights)| {
             let mut there = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
             there.all(|(x, weight)| is_so(start + ahead + x, *weight))
         })

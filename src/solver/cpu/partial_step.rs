@@ -97,7 +97,7 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         rate
     }
 
-    /// Takes `enthalpy` the step on in tasks of so many parts, and writes its potentials to `out`. `step` has the operator
+    /// Takes `enthalpy` the step on in tasks of about so many parts, and writes its potentials to `out`. `step` has the operator
     /// write a task's places with what `scratch` has made, and has them [taken on](PartialStep::take_on); returns what
     /// held particles gave, value x capacity / s.
     pub(super) fn take<S>(
@@ -114,11 +114,14 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         let mut first = 0;
         let mut seams =
             scene.seams.as_ref().map(|seams| SeamStep::of_all(seams, &locals, &mut after));
-        let task = parts * self.part;
-        let mut tasks = Vec::with_capacity(count.div_ceil(task));
-        for (out, enthalpies) in out.chunks_mut(task).zip(enthalpies.chunks_mut(task)) {
-            let places = first..first + out.len();
+        let [mut rest, mut rest_of_enthalpies] = [out, enthalpies];
+        let mut tasks = Vec::with_capacity(count.div_ceil(parts * self.part));
+        while first < count {
+            let places = first..self.end_of_task(parts, first, count, &before);
             first = places.end;
+            let (out, enthalpies);
+            (out, rest) = rest.split_at_mut(places.len());
+            (enthalpies, rest_of_enthalpies) = rest_of_enthalpies.split_at_mut(places.len());
             let seams = seams.as_mut().map(|seams| seams.take(places.end));
             tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
         }
@@ -139,6 +142,21 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         latent.replace_by(done.iter().map(|(_, (_, latent))| latent));
         enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
         done.iter().flat_map(|(_, (given, _))| given).sum()
+    }
+
+    /// Where the task that begins at `first` of `count` places ends: after about so many parts, where least is within reach
+    /// of both it and the next of what melts, which both look at.
+    fn end_of_task(&self, parts: usize, first: usize, count: usize, latent: &Latent) -> usize {
+        let (task, reach) = (parts * self.part, self.operator.reach());
+        // Tasks before have ended near there.
+        let even = ((first + task / 2) / task + 1) * task;
+        let apart = (2 * reach).next_multiple_of(self.part);
+        if even >= count || apart > task / 4 {
+            return even.min(count);
+        }
+        let near = |end: &usize| within(latent.places(), &(end - reach..end + reach)).len();
+        let ends = [even, even - apart, even + apart];
+        ends.into_iter().min_by_key(near).unwrap_or(even).min(count)
     }
 }
 

@@ -102,6 +102,31 @@ impl Flow {
             self.add::<FUSED>(others[x], weights[x], &mut gain[x], &mut out[x]);
         }
     }
+
+    /// The same of lines of which some or nothing is in `out`, where the first of all begins at `first`.
+    #[inline(always)]
+    fn add_cut<'a, const FUSED: bool>(
+        self,
+        lines: impl Iterator<Item = (&'a usize, &'a [f64; LANES])>,
+        around: &[f64],
+        gain: &mut [f64; LANES],
+        first: usize,
+        out: &mut [f64],
+    ) {
+        for (&ahead, weights) in lines {
+            let others = around[ahead..].first_chunk().expect("a line's length");
+            let (to, mut line) = (first.wrapping_add(ahead), [0.0; LANES]);
+            for (x, line) in line.iter_mut().enumerate() {
+                *line = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
+            }
+            self.add_line::<FUSED>(others, weights, gain, &mut line);
+            for (x, line) in line.iter().enumerate() {
+                if let Some(out) = out.get_mut(to.wrapping_add(x)) {
+                    *out = *line;
+                }
+            }
+        }
+    }
 }
 
 impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
@@ -185,37 +210,22 @@ fn along<const FUSED: bool>(
     out: &mut [f64],
 ) -> [f64; LANES] {
     let (mut gain, count) = ([0.0; LANES], out.len());
-    if let Some(out) = out.get_mut(first..first.wrapping_add(around.len())) {
-        // All of them are there, as a rule.
-        let around = &around[..out.len()];
-        for (&ahead, weights) in lines.all() {
-            let others = around[ahead..].first_chunk().expect("a line's length");
-            let out = out[ahead..].first_chunk_mut().expect("a line's length");
-            flow.add_line::<FUSED>(others, weights, &mut gain, out);
-        }
-        return gain;
+    let whole = lines.within(first, count);
+    let [before, behind] = [0..whole.start, whole.end..lines.len()];
+    // Of lines that lie beyond, all but one have nothing in common with what is there.
+    let has_some = |which: Range<usize>| {
+        lines.some(which).any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count))
+    };
+    if is_own || has_some(whole.start.saturating_sub(1)..whole.start) {
+        flow.add_cut::<FUSED>(lines.some(before), around, &mut gain, first, out);
     }
-    for (&ahead, weights) in lines.all() {
+    for (&ahead, weights) in lines.some(whole.clone()) {
         let others = around[ahead..].first_chunk().expect("a line's length");
-        let to = first.wrapping_add(ahead);
-        let is_beyond = is_beyond(to, count);
-        match out.get_mut(to..to.wrapping_add(LANES)).and_then(<[f64]>::first_chunk_mut) {
-            Some(out) => flow.add_line::<FUSED>(others, weights, &mut gain, out),
-            None if is_beyond && !is_own => {}
-            None => {
-                // Some of the line, or none.
-                let mut line = [0.0; LANES];
-                for (x, line) in line.iter_mut().enumerate() {
-                    *line = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
-                }
-                flow.add_line::<FUSED>(others, weights, &mut gain, &mut line);
-                for (x, line) in line.iter().enumerate() {
-                    if let Some(out) = out.get_mut(to.wrapping_add(x)) {
-                        *out = *line;
-                    }
-                }
-            }
-        }
+        let line = out[first.wrapping_add(ahead)..].first_chunk_mut().expect("a line's length");
+        flow.add_line::<FUSED>(others, weights, &mut gain, line);
+    }
+    if is_own || has_some(whole.end..lines.len().min(whole.end + 1)) {
+        flow.add_cut::<FUSED>(lines.some(behind), around, &mut gain, first, out);
     }
     gain
 }
