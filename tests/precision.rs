@@ -358,24 +358,40 @@ fn a_device_repeats_a_run_bit_for_bit() {
 
 #[test]
 fn the_number_of_threads_makes_no_difference_on_the_cpu() {
+    let ball = || json!({ "sphere": { "center": [4, 5, 5], "radius": 2 } });
     let shape = |hole: bool| {
         let whole = json!({ "box": { "min": [0, 0, 0], "max": [10, 11, 9] } });
-        let ball = json!({ "sphere": { "center": [4, 5, 5], "radius": 2 } });
         match hole {
-            true => json!({ "difference": { "of": whole, "minus": [ball] } }),
+            true => json!({ "difference": { "of": whole, "minus": [ball()] } }),
             false => whole,
         }
     };
-    let scene = |hole: bool| {
+    // The whole is of one material, the ball of another one, if there is any.
+    let melting = |conductivity: f64, at: f64| {
+        json!({
+            "conductivity": conductivity, "density": 1, "heat_capacity": 1,
+            "melting_temperature": at, "latent_heat": 2, "liquid": { "conductivity": 0.2 }
+        })
+    };
+    let materials = |hole: bool, melts: bool| match (melts, hole) {
+        (true, true) => json!({ "m": melting(0.7, 300.0), "ball": melting(0.5, 301.0) }),
+        (true, false) => json!({ "m": melting(0.7, 300.0) }),
+        (false, _) => json!({ "m": { "diffusivity": 0.7 } }),
+    };
+    let scene = |hole: bool, melts: bool| {
+        let mut fill = vec![json!({ "shape": shape(hole), "material": "m" })];
+        if hole && melts {
+            fill.push(json!({ "shape": ball(), "material": "ball" }));
+        }
         let case = json!({
             "title": "box",
             "dimension": 3,
             "particles": {
                 "spacing": 0.25,
-                "fill": [{ "shape": shape(hole), "material": "m" }]
+                "fill": fill
             },
             "kernel": { "name": "cubic_spline", "support_ratio": 2 },
-            "materials": { "m": { "diffusivity": 0.7 } },
+            "materials": materials(hole, melts),
             "initial": [{ "value": "300 + 10*sin(7.3*x + 5.1*y - 3.7*z)" }],
             "boundaries": [
                 { "periodic": { "axes": ["y"] } },
@@ -410,12 +426,15 @@ fn the_number_of_threads_makes_no_difference_on_the_cpu() {
         ));
         (field, rest.expect("JSON"), report.path.clone())
     };
-    for (hole, path, name) in [
-        (false, PathWish::Lattice, "lattice"),
-        (true, PathWish::Lattice, "mixed"),
-        (true, PathWish::List, "list"),
+    for (hole, melts, path, name) in [
+        (false, false, PathWish::Lattice, "lattice"),
+        (true, false, PathWish::Lattice, "mixed"),
+        (true, false, PathWish::List, "list"),
+        (false, true, PathWish::Lattice, "lattice"),
+        (true, true, PathWish::Lattice, "mixed"),
+        (true, true, PathWish::List, "list"),
     ] {
-        let scene = scene(hole);
+        let scene = scene(hole, melts);
         assert!(scene.problem.particles.len() > 60_000 - 3000, "several tasks");
         let one = numbers(&outcome(&scene, path, 1));
         assert_eq!(one.2, name);

@@ -212,11 +212,12 @@ fn along<const FUSED: bool>(
     let (mut gain, count) = ([0.0; LANES], out.len());
     let whole = lines.within(first, count);
     let [before, behind] = [0..whole.start, whole.end..lines.len()];
-    // Of lines that lie beyond, all but one have nothing in common with what is there.
     let has_some = |which: Range<usize>| {
         lines.some(which).any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count))
     };
-    if is_own || has_some(whole.start.saturating_sub(1)..whole.start) {
+    // Beside whole lines, only those that are next to them can be cut.
+    let last_before = if whole.is_empty() { 0 } else { whole.start.saturating_sub(1) };
+    if is_own || has_some(last_before..whole.start) {
         flow.add_cut::<FUSED>(lines.some(before), around, &mut gain, first, out);
     }
     for (&ahead, weights) in lines.some(whole.clone()) {
