@@ -9,7 +9,7 @@ use crate::model::wide::Work;
 /// Values that are looked at together.
 pub(super) const FEW: usize = 32;
 /// The same in runs that are shorter.
-const FEWER: usize = 4;
+const FEWER: usize = 8;
 
 /// Finds what passes to another phase in a step, which it takes on where a phase has no single slope.
 pub(super) struct Crossings<'a, R> {
@@ -70,14 +70,21 @@ fn look<const FUSED: bool>(
     found: &mut Vec<usize>,
     first: usize,
 ) {
+    let is_short = now.len() < FEW;
+    if is_short && any_of_short(by, now, out) >> 63 == 0 {
+        return;
+    }
     let mut from = 0;
     while from < now.len() {
         let to = now.len().min(from + FEW);
         let any = match (now[..to].last_chunk(), out[..to].last_chunk()) {
             // A last chunk that is short is looked at with values before it; nothing is done with these again.
-            (Some(now), Some(out)) => any::<FEW>(by, now, out),
-            // Runs between materials may be short.
-            _ => any_of_fewer(by, &now[from..to], &out[from..to]),
+            (Some(now), Some(out)) if !is_short => {
+                let mut lanes = [0; FEW];
+                add_bits(by, now, out, &mut lanes);
+                any_of(lanes)
+            }
+            _ => u64::MAX,
         };
         if any >> 63 != 0 {
             by.take::<FUSED>(&now[from..to], &mut out[from..to], found, first + from);
@@ -86,34 +93,44 @@ fn look<const FUSED: bool>(
     }
 }
 
-/// The bits of any of some, put together for several at once by a processor.
+/// The bits of any of some.
 #[inline(always)]
-fn any<const COUNT: usize>(by: impl Look, now: &[f64; COUNT], out: &[f64; COUNT]) -> u64 {
-    let mut any = 0;
-    for x in 0..COUNT {
-        any |= by.bits(now[x], out[x]);
-    }
-    any
+fn any_of<const COUNT: usize>(lanes: [u64; COUNT]) -> u64 {
+    lanes.into_iter().fold(0, |any, bits| any | bits)
 }
 
-/// The same of fewer than are looked at together.
+/// Adds the bits of some, for several at once by a processor.
 #[inline(always)]
-fn any_of_fewer(by: impl Look, mut now: &[f64], mut out: &[f64]) -> u64 {
-    let mut all = 0;
+fn add_bits<const COUNT: usize>(
+    by: impl Look,
+    now: &[f64; COUNT],
+    out: &[f64; COUNT],
+    lanes: &mut [u64; COUNT],
+) {
+    for x in 0..COUNT {
+        lanes[x] |= by.bits(now[x], out[x]);
+    }
+}
+
+/// The bits of any of a run that is short, as those between materials may be: put together once, since that takes as long
+/// as looking at many.
+#[inline(always)]
+fn any_of_short(by: impl Look, mut now: &[f64], mut out: &[f64]) -> u64 {
+    let mut lanes = [0; FEWER];
     if let (Some(last_now), Some(last_out)) = (now.last_chunk(), out.last_chunk()) {
-        all = any::<FEWER>(by, last_now, last_out);
+        add_bits(by, last_now, last_out, &mut lanes);
         while let (Some((these, rest)), Some((next, others))) =
             (now.split_first_chunk(), out.split_first_chunk())
         {
-            all |= any::<FEWER>(by, these, next);
+            add_bits(by, these, next, &mut lanes);
             (now, out) = (rest, others);
         }
     } else {
         for (now, out) in now.iter().zip(out) {
-            all |= by.bits(*now, *out);
+            lanes[0] |= by.bits(*now, *out);
         }
     }
-    all
+    any_of(lanes)
 }
 
 /// Of what melts at one temperature or not at all.

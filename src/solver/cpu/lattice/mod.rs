@@ -31,7 +31,7 @@ const TASK: usize = 1 << 14;
 const TASKS: usize = 4;
 /// What melts is looked at in every task that it has neighbours in: tasks of so many times as many places as neighbours
 /// are away, at least.
-const REACHES: usize = 4;
+const REACHES: usize = 8;
 
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
@@ -105,7 +105,7 @@ impl<L: LatticeOperator> Lattice<L> {
     /// enough.
     fn tasks(&self, places: usize) -> usize {
         let threads = rayon::current_num_threads();
-        let most = places / TASK.max(REACHES * self.reach());
+        let most = places / (TASK / 2).max(REACHES * self.reach());
         match most / threads {
             0 => (places / TASK).clamp(1, threads),
             of_each => threads * of_each.min(TASKS),
