@@ -261,15 +261,14 @@ fn measure(group: &Group, machine: &Machine, arguments: &Arguments) -> Result<()
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let mut code = ExitCode::SUCCESS;
-    // As the command does.
-    rayon::scope(|_| {
-        if let Err(error) = measure_all(&arguments) {
+    // On a thread of the pool, as commands are.
+    rayon::scope(|_| match measure_all(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
             eprintln!("{error}");
-            code = ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
-    });
-    code
+    })
 }
 
 fn measure_all(arguments: &Arguments) -> Result<(), Box<dyn Error>> {

@@ -125,21 +125,13 @@ impl CliError {
 
 /// Runs the command of this process.
 pub fn main() -> ExitCode {
-    let Cli { command } = Cli::parse();
-    let mut code = ExitCode::SUCCESS;
-    // On a thread of the pool: one outside would wake the pool for every loop and wait for it, which takes a third of the
-    // time of small scenes.
-    rayon::scope(|_| code = execute(command));
-    code
-}
-
-fn execute(command: Command) -> ExitCode {
-    let result = match command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Check(arguments) => check::check(&arguments),
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Run(arguments) => in_pool(|| run::run(&arguments)),
+        Command::Check(arguments) => in_pool(|| check::check(&arguments)),
         Command::Study(arguments) => study::study(&arguments),
-        Command::Bench(arguments) => bench::bench(&arguments),
-        Command::Stability(arguments) => stability::stability(&arguments),
+        Command::Bench(arguments) => in_pool(|| bench::bench(&arguments)),
+        Command::Stability(arguments) => in_pool(|| stability::stability(&arguments)),
         Command::Cases(arguments) => cases::cases(&arguments),
         Command::Devices(arguments) => devices::devices(&arguments),
         Command::Schema => schema(),
@@ -157,6 +149,11 @@ fn execute(command: Command) -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Does the work of a command on a thread of the pool: one outside would wake the pool for every loop and wait for it.
+fn in_pool(work: impl FnOnce() -> Result<(), CliError> + Send) -> Result<(), CliError> {
+    rayon::scope(|_| work())
 }
 
 /// The error and what caused it, in one line.

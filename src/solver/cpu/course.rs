@@ -158,7 +158,7 @@ impl Course {
     /// T (K) and k (W/(m K)) at a potential (K), and at the enthalpy `melting` (K) of what melts at one temperature, NaN of
     /// anything else: with the liquid k goes from one phase's to the other's.
     #[inline(always)]
-    pub(super) fn state<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
+    fn state<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         if let Some(mushy) = self.mushy.as_ref().filter(|mushy| mushy.has(potential)) {
             return mushy.state(potential);
         }

@@ -70,23 +70,21 @@ fn look<const FUSED: bool>(
     found: &mut Vec<usize>,
     first: usize,
 ) {
-    let is_short = now.len() < FEW;
-    if is_short && any_of_short(by, now, out) >> 63 == 0 {
+    if now.len() < FEW {
+        if any_of_short(by, now, out) >> 63 != 0 {
+            by.take::<FUSED>(now, out, found, first);
+        }
         return;
     }
     let mut from = 0;
     while from < now.len() {
         let to = now.len().min(from + FEW);
-        let any = match (now[..to].last_chunk(), out[..to].last_chunk()) {
-            // A last chunk that is short is looked at with values before it; nothing is done with these again.
-            (Some(now), Some(out)) if !is_short => {
-                let mut lanes = [0; FEW];
-                add_bits(by, now, out, &mut lanes);
-                any_of(lanes)
-            }
-            _ => u64::MAX,
-        };
-        if any >> 63 != 0 {
+        // A last chunk that is short is looked at with values before it; nothing is done with these again.
+        let chunks = now[..to].last_chunk().zip(out[..to].last_chunk());
+        let (of_now, of_out) = chunks.expect("as many at least");
+        let mut lanes = [0; FEW];
+        add_bits(by, of_now, of_out, &mut lanes);
+        if any_of(lanes) >> 63 != 0 {
             by.take::<FUSED>(&now[from..to], &mut out[from..to], found, first + from);
         }
         from = to;

@@ -64,6 +64,11 @@ impl Lines {
         self.ahead[which.clone()].iter().zip(&self.weights[which])
     }
 
+    #[inline(always)]
+    fn all(&self) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
+        self.some(0..self.len())
+    }
+
     /// Which of them are whole among so many places, if the first begins at `first` of these, where one that begins
     /// before them has wrapped around.
     #[inline(always)]
@@ -85,7 +90,7 @@ impl Lines {
     pub(super) fn rate<const FUSED: bool>(&self, place: usize, values: &[f64]) -> f64 {
         let (start, own) = (self.start(place), values[place]);
         let (around, mut sum) = (&values[start..start + self.span()], [0.0; LANES]);
-        for (&ahead, weights) in self.some(0..self.len()) {
+        for (&ahead, weights) in self.all() {
             let line: &[f64; LANES] =
                 around[ahead..ahead + LANES].try_into().expect("a line's length");
             for x in 0..LANES {
@@ -113,7 +118,7 @@ impl Lines {
     #[inline(always)]
     fn are_all(&self, place: usize, mut is_so: impl FnMut(usize, f64) -> bool) -> bool {
         let start = self.start(place);
-        self.some(0..self.len()).all(|(ahead, weights)| {
+        self.all().all(|(ahead, weights)| {
             let mut there = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
             there.all(|(x, weight)| is_so(start + ahead + x, *weight))
         })
@@ -164,6 +169,28 @@ impl Entries<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_are_whole_where_all_their_places_are_there() {
+        for steps in [vec![], vec![0], vec![-3, 2, 9], vec![-20, -16, -9, -1, 3, 8]] {
+            let lines = Lines::of(&steps.iter().map(|&step| (step, 1.0)).collect::<Vec<_>>());
+            for count in 0..24 {
+                for place in -30..50 {
+                    let first = (place as usize).wrapping_add_signed(lines.first);
+                    let whole = lines.within(first, count);
+                    for (which, step) in steps.iter().enumerate() {
+                        let is_whole =
+                            place + step >= 0 && (place + step) as usize + LANES <= count;
+                        assert_eq!(
+                            whole.contains(&which),
+                            is_whole,
+                            "{steps:?}: {place} of {count}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn neighbours_less_than_a_line_apart_are_in_one() {

@@ -97,9 +97,9 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         rate
     }
 
-    /// Takes `enthalpy` the step on in tasks of about so many parts, and writes its potentials to `out`. `step` has the operator
-    /// write a task's places with what `scratch` has made, and has them [taken on](PartialStep::take_on); returns what
-    /// held particles gave, value x capacity / s.
+    /// Takes `enthalpy` the step on in tasks of about so many parts, and writes its potentials to `out`. `step` has the
+    /// operator write a task's places with what `scratch` has made, and has them [taken on](PartialStep::take_on);
+    /// returns what held particles gave, value x capacity / s.
     pub(super) fn take<S>(
         &self,
         parts: usize,
@@ -155,8 +155,8 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
             return even.min(count);
         }
         let near = |end: &usize| within(latent.places(), &(end - reach..end + reach)).len();
-        let ends = [even, even - apart, even + apart];
-        ends.into_iter().min_by_key(near).unwrap_or(even).min(count)
+        let ends = [even, even - apart, even + apart].into_iter().filter(|&end| end < count);
+        ends.min_by_key(near).unwrap_or(count)
     }
 }
 

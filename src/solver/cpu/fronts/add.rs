@@ -34,7 +34,7 @@ struct Flow {
     potential: f64,
     /// From a solid neighbour, and from a liquid one: how many times weight and difference it is.
     excess: [f64; 2],
-    /// How many times these is taken from what is written of the neighbour.
+    /// The same of what is taken from what is written of the neighbour.
     taken: [f64; 2],
     /// What is written of the particle is made of rates by this.
     factor: f64,
@@ -211,23 +211,25 @@ fn along<const FUSED: bool>(
 ) -> [f64; LANES] {
     let (mut gain, count) = ([0.0; LANES], out.len());
     let whole = lines.within(first, count);
-    let [before, behind] = [0..whole.start, whole.end..lines.len()];
-    let has_some = |which: Range<usize>| {
-        lines.some(which).any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count))
+    // What lies beyond counts for the particle's own sum alone; beside whole lines, only those next to them can be cut.
+    let beyond = |all: Range<usize>, next: Range<usize>| {
+        let mut some = lines.some(next.clone());
+        match some.any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count)) {
+            _ if is_own => all,
+            true => next,
+            false => 0..0,
+        }
     };
-    // Beside whole lines, only those that are next to them can be cut.
     let last_before = if whole.is_empty() { 0 } else { whole.start.saturating_sub(1) };
-    if is_own || has_some(last_before..whole.start) {
-        flow.add_cut::<FUSED>(lines.some(before), around, &mut gain, first, out);
-    }
-    for (&ahead, weights) in lines.some(whole.clone()) {
+    let before = beyond(0..whole.start, last_before..whole.start);
+    let behind = beyond(whole.end..lines.len(), whole.end..lines.len().min(whole.end + 1));
+    flow.add_cut::<FUSED>(lines.some(before), around, &mut gain, first, out);
+    for (&ahead, weights) in lines.some(whole) {
         let others = around[ahead..].first_chunk().expect("a line's length");
         let line = out[first.wrapping_add(ahead)..].first_chunk_mut().expect("a line's length");
         flow.add_line::<FUSED>(others, weights, &mut gain, line);
     }
-    if is_own || has_some(whole.end..lines.len().min(whole.end + 1)) {
-        flow.add_cut::<FUSED>(lines.some(behind), around, &mut gain, first, out);
-    }
+    flow.add_cut::<FUSED>(lines.some(behind), around, &mut gain, first, out);
     gain
 }
 

@@ -30,7 +30,7 @@ const TASK: usize = 1 << 14;
 /// Tasks of an enthalpy's step that a thread gets at most.
 const TASKS: usize = 4;
 /// What melts is looked at in every task that it has neighbours in: tasks of so many times as many places as neighbours
-/// are away, at least.
+/// are away, at least, unless threads would have none.
 const REACHES: usize = 8;
 
 /// A lattice with what it has beyond its stencil.
@@ -107,7 +107,7 @@ impl<L: LatticeOperator> Lattice<L> {
         let threads = rayon::current_num_threads();
         let most = places / (TASK / 2).max(REACHES * self.reach());
         match most / threads {
-            0 => (places / TASK).clamp(1, threads),
+            0 => most.max(places / TASK).clamp(1, threads),
             of_each => threads * of_each.min(TASKS),
         }
     }
