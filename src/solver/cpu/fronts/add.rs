@@ -213,12 +213,12 @@ fn along<const FUSED: bool>(
     let whole = lines.within(first, count);
     // What lies beyond counts for the particle's own sum alone; beside whole lines, only those next to them can be cut.
     let beyond = |all: Range<usize>, next: Range<usize>| {
-        let mut some = lines.some(next.clone());
-        match some.any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count)) {
-            _ if is_own => all,
-            true => next,
-            false => 0..0,
+        if is_own {
+            return all;
         }
+        let mut some = lines.some(next.clone());
+        let is_cut = some.any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count));
+        if is_cut { next } else { 0..0 }
     };
     let last_before = if whole.is_empty() { 0 } else { whole.start.saturating_sub(1) };
     let before = beyond(0..whole.start, last_before..whole.start);

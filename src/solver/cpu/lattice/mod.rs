@@ -104,6 +104,9 @@ impl<L: LatticeOperator> Lattice<L> {
     /// Into how many tasks an enthalpy's step of so many places is divided: as many for each thread, where there are
     /// enough.
     fn tasks(&self, places: usize) -> usize {
+        if places < SERIAL {
+            return 1;
+        }
         let threads = rayon::current_num_threads();
         let most = places / (TASK / 2).max(REACHES * self.reach());
         match most / threads {
