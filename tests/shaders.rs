@@ -7,7 +7,7 @@ use diffusph::gpu::{BlockLayout, PassSource, Real, scan_sources};
 use diffusph::model::{KernelKind, PairMean};
 use diffusph::solver::Precision;
 use diffusph::solver::gpu::curve_passes::{CurveKind, CurvePasses, HeldIn, SeamPasses};
-use diffusph::solver::gpu::lattice::{PART, StencilSource};
+use diffusph::solver::gpu::lattice::{OwnRows, PART, StencilSource};
 use diffusph::solver::gpu::passes::{
     CHUNK, COMBINATION, Choices, GRID, Neighbors, STEP_SIZE, WallTerms, finite, self_test, still,
 };
@@ -105,9 +105,10 @@ fn searches() -> impl Iterator<Item = Choices> {
 /// Lattices of every kind: the stencil is written out or a loop.
 fn lattices() -> Vec<StencilSource> {
     let mut all = Vec::new();
+    let beside = WallTerms::ALL.map(|walls| OwnRows::ALL.map(|rows| (walls, rows)));
     for precision in Precision::ALL {
-        for walls in WallTerms::ALL {
-            for bits in 0..64_u32 {
+        for &(walls, rows) in beside.as_flattened() {
+            for bits in 0..32_u32 {
                 let bit = |n: u32| bits >> n & 1 == 1;
                 let neighbors: isize = if bit(0) { 200 } else { 4 };
                 let entry = |k: isize| ([k % 5 - 2, k / 5 - 1, 0], 0.1 / (1 + k / 2) as f64);
@@ -120,9 +121,10 @@ fn lattices() -> Vec<StencilSource> {
                     entries: (0..neighbors).map(entry).collect(),
                     is_split: bit(3),
                     kinds: bit(4),
-                    rows: bit(5),
+                    rows,
                     held: bit(2),
                     walls,
+                    is_costly: false,
                     precision,
                     workgroup_size: 64,
                 });

@@ -27,8 +27,7 @@ fn value_at(other: u32) -> Value {
     if own_melts {
         return exactly(select(own_excess.x, own_excess.y, above < 0.0) * above);
     }
-    let excess = front_excess(own_front, enthalpy);
-    return exactly(-select(excess.x, excess.y, own_above < 0.0) * own_above);
+    return exactly(-front_excess(own_front, enthalpy, own_above < 0.0) * own_above);
 }
 
 fn own_value(place: u32) -> Value {
@@ -46,7 +45,10 @@ fn begin(place: u32) -> bool {
     choose_front(place);
     let enthalpy = collapsed(enthalpy_at(place));
     own_melts = is_melting(own_front, enthalpy);
-    own_excess = front_excess(own_front, enthalpy);
+    own_excess = vec2<real>(
+        front_excess(own_front, enthalpy, false),
+        front_excess(own_front, enthalpy, true),
+    );
     own_above = above_front(own_front, potential_at(place));
     return true;
 }

@@ -40,18 +40,3 @@ fn difference(site: u32, excess: real, exists: bool, own: Value) -> Value {
     let value = value_at(site);
     return select(exactly(real(0.0)), (value - own) + excess * value, exists);
 }
-
-fn is_inside(at: u32, count: u32, reach: u32) -> bool {
-    return at >= reach && at + reach < count;
-}
-
-// sum_b w_ab (C_b - C_a) around a site: its rate of change, dimensionless in time. `interior_sum`
-// knows the distances to all neighbours; `edge_sum` finds each.
-fn stencil_sum(site: u32, own: Value) -> real {
-    let at = vec3<u32>(site % NX, site / NX % NY, site / (NX * NY));
-    if is_inside(at.x, NX, REACH) && is_inside(at.y, NY, REACH_Y) && is_inside(at.z, NZ, REACH_Z) {
-        return interior_sum(site, own);
-    }
-    return edge_sum(at, own);
-}
-

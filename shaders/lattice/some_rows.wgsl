@@ -1,16 +1,8 @@
-// Some sites have rows of their own in place of the stencil. `exception` names the first element of each,
-// or NO_SLOT, and the others follow SLICE_ROWS apart: the number of neighbours, then these with their weights.
+// Some sites have rows of their own in place of the stencil.
 
 fn row_sum(row: u32, site: u32, own: Value) -> real {
-    let first = exception[row].w;
-    if first == NO_SLOT {
+    if exception[row].w == NO_SLOT {
         return site_sum(site, own);
     }
-    let end = first + (row_neighbor[first] + 1u) * SLICE_ROWS;
-    var sum = real(0.0);
-    for (var i = first + SLICE_ROWS; i < end; i += SLICE_ROWS) {
-        sum += times(row_weight[i], collapsed(value_at(row_neighbor[i]) - own));
-    }
-    return sum;
+    return own_row_sum(row, own);
 }
-

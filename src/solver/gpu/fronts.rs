@@ -201,7 +201,8 @@ impl DeviceFronts {
                 return [1.0, 0.0, NEVER, 0.0, fronts.distance(), 0.0, 0.0, 0.0];
             };
             let [potential, rest] = two_words(front.potential);
-            [front.begins, front.ends, potential, rest, fronts.distance(), 0.0, 0.0, 0.0]
+            let per_width = 1.0 / (front.ends - front.begins);
+            [front.begins, front.ends, potential, rest, fronts.distance(), per_width, 0.0, 0.0]
         };
         let table: Vec<f64> = materials.flat_map(of_material).collect();
         let of_part = |part: &Range<usize>| {

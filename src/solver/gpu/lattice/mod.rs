@@ -23,7 +23,7 @@ use kinds::Kinds;
 pub use kinds::are_few;
 use rows::Rows;
 use source::Sites;
-pub use source::{PART, StencilSource};
+pub use source::{OwnRows, PART, StencilSource};
 
 /// The stencil of a lattice on the device.
 #[derive(Debug)]
@@ -90,6 +90,8 @@ impl Lattice {
             available: most * value,
         })?;
         let (periodic, mirrors) = source::ends(scene);
+        let stored = rows.as_ref().map_or(&[][..], |rows| &rows.first);
+        let exceptions = exceptions(held, walls.rank(), stored);
         let source = StencilSource {
             counts: scene.counts,
             reach: scene.reach,
@@ -99,14 +101,17 @@ impl Lattice {
             entries: source::entries(scene, reference_step),
             is_split: parts.len() > 1,
             kinds: kinds.is_some(),
-            rows: rows.is_some(),
+            rows: match stored.len() {
+                0 => OwnRows::None,
+                count if count < exceptions.len() => OwnRows::Some,
+                _ => OwnRows::All,
+            },
             held: !held.is_empty(),
             walls: WallTerms::of(walls),
+            is_costly: false,
             precision: options.precision,
             workgroup_size: options.workgroup_size,
         };
-        let stored = rows.as_ref().map_or(&[][..], |rows| &rows.first);
-        let exceptions = exceptions(held, walls.rank(), stored);
         let exception = match exceptions.is_empty() {
             true => None,
             false => Some(device.storage_with("exceptions", bytemuck::cast_slice(&exceptions))?),
@@ -222,10 +227,13 @@ impl Lattice {
                 buffers.extend(part.beside.map(|other| &fields.from[other]));
             }
         }
-        buffers.extend([&fields.to[k], fields.step_size, &self.ghost_excess]);
-        buffers.extend(self.entry.iter().flatten());
-        let kinds = self.kinds.iter().filter(|_| source.kinds);
-        buffers.extend(kinds.flat_map(|kinds| [&kinds.kind, &kinds.factor]));
+        buffers.extend([&fields.to[k], fields.step_size]);
+        if source.has_stencil(sites) {
+            buffers.push(&self.ghost_excess);
+            buffers.extend(self.entry.iter().flatten());
+            let kinds = self.kinds.iter().filter(|_| source.kinds);
+            buffers.extend(kinds.flat_map(|kinds| [&kinds.kind, &kinds.factor]));
+        }
         if sites == Sites::Exceptions {
             buffers.extend(&self.exception);
             buffers.extend(self.rows.iter().flat_map(|rows| [&rows.neighbor, &rows.weight]));

@@ -50,16 +50,43 @@ pub struct StencilSource {
     pub is_split: bool,
     /// Whether the stencil has not the same factor everywhere, or some sites have no particle.
     pub kinds: bool,
-    /// Whether some sites have rows of their own.
-    pub rows: bool,
+    /// Which exceptions have rows of their own.
+    pub rows: OwnRows,
     /// Whether some particles keep their value.
     pub held: bool,
     /// What walls add to a step.
     pub walls: WallTerms,
+    /// Whether sums cost more by what they find at each neighbour than by finding it.
+    pub is_costly: bool,
     /// The precision.
     pub precision: Precision,
     /// Invocations a workgroup.
     pub workgroup_size: u32,
+}
+
+/// Which of the sites where more than the stencil acts have rows of their own in place of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnRows {
+    /// None.
+    None,
+    /// Some.
+    Some,
+    /// All.
+    All,
+}
+
+impl OwnRows {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::None, Self::Some, Self::All];
+
+    /// The shader files of these rows.
+    fn slots(self) -> &'static [&'static str] {
+        match self {
+            Self::None => &["lattice/no_rows"],
+            Self::Some => &["lattice/own_rows", "lattice/some_rows"],
+            Self::All => &["lattice/own_rows", "lattice/all_rows"],
+        }
+    }
 }
 
 /// Which sites a pass works on.
@@ -106,7 +133,7 @@ impl StencilSource {
     /// the diagonal here.
     pub(super) fn sites_of(&self, makes: Makes) -> &'static [Sites] {
         match makes {
-            Makes::Diagonal if !self.rows => &[Sites::All],
+            Makes::Diagonal if self.rows == OwnRows::None => &[Sites::All],
             _ => &[Sites::All, Sites::Exceptions],
         }
     }
@@ -135,22 +162,11 @@ impl StencilSource {
             (_, false) => (WHOLE, &["before"]),
         };
         bindings.extend(read_from.iter().map(|&name| read(name, value(self.precision))));
-        bindings.extend([
-            write("after", value(self.precision)),
-            block("step_size", &STEP_SIZE),
-            read("ghost_excess", Element::Real),
-        ]);
+        bindings.extend([write("after", value(self.precision)), block("step_size", &STEP_SIZE)]);
         let mut slots = arithmetic(self.precision).to_vec();
-        slots.extend([state, "lattice/site"]);
-        if self.is_loop() {
-            let weight = read("entry_weight", value(self.precision));
-            bindings.extend([read("entry", Element::U32x4), weight]);
-            slots.push("lattice/loops");
-        }
-        slots.push(if self.kinds { "lattice/kinds" } else { "lattice/alike" });
-        if self.kinds {
-            bindings
-                .extend([read("kind", Element::U32), read("kind_factor", value(self.precision))]);
+        slots.push(state);
+        if self.has_stencil(sites) {
+            slots.extend(self.stencil(&mut bindings));
         }
         if sites == Sites::Exceptions {
             slots.extend(self.exceptions(makes, &mut bindings));
@@ -182,15 +198,41 @@ impl StencilSource {
             constants: self.constants(),
             bindings,
             slots: slots.into_iter().map(str::to_owned).collect(),
-            generated: if self.is_loop() { String::new() } else { self.sums() },
+            generated: match self.is_loop() || !self.has_stencil(sites) {
+                true => String::new(),
+                false => self.sums(),
+            },
         }
+    }
+
+    /// Whether the stencil acts at any of some sites.
+    pub(super) fn has_stencil(&self, sites: Sites) -> bool {
+        sites == Sites::All || self.rows != OwnRows::All
+    }
+
+    /// The slots of the stencil; their buffers go to `bindings`.
+    fn stencil(&self, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
+        bindings.push(read("ghost_excess", Element::Real));
+        let finding = if self.is_costly { "lattice/anywhere" } else { "lattice/inside" };
+        let mut slots = vec!["lattice/site", finding];
+        if self.is_loop() {
+            let weight = read("entry_weight", value(self.precision));
+            bindings.extend([read("entry", Element::U32x4), weight]);
+            slots.push("lattice/loops");
+        }
+        slots.push(if self.kinds { "lattice/kinds" } else { "lattice/alike" });
+        if self.kinds {
+            bindings
+                .extend([read("kind", Element::U32), read("kind_factor", value(self.precision))]);
+        }
+        slots
     }
 
     /// What passes of fronts have of it.
     pub(super) fn of_fronts(&self, makes: FrontMakes) -> Self {
         // Kinds would leave out sites with rows of their own, beside which tiles are listed too; weights do not count.
         let kinds = self.kinds && makes == FrontMakes::Flows;
-        Self { walls: WallTerms::None, kinds, ..self.clone() }
+        Self { walls: WallTerms::None, kinds, is_costly: true, ..self.clone() }
     }
 
     /// What fronts change of a step of some sites of a part, or the tiles where they may.
@@ -208,15 +250,13 @@ impl StencilSource {
     fn exceptions(&self, makes: Makes, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
         bindings.push(read("exception", Element::U32x4));
         let mut slots = vec!["lattice/exceptions"];
-        if self.rows {
+        if self.rows != OwnRows::None {
             bindings.extend([
                 read("row_neighbor", Element::U32),
                 read("row_weight", value(self.precision)),
             ]);
-            slots.push("lattice/some_rows");
-        } else {
-            slots.push("lattice/no_rows");
         }
+        slots.extend(self.rows.slots());
         if makes == Makes::Diagonal {
             return slots;
         }
@@ -258,14 +298,22 @@ impl StencilSource {
 
     /// The sums with every neighbour written out.
     fn sums(&self) -> String {
-        let mut text = String::from("fn interior_sum(site: u32, own: Value) -> real {\n");
-        text.push_str("    var sum = real(0.0);\n");
-        for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
-            self.write_group(group, &mut text);
+        let mut text = String::new();
+        if !self.is_costly {
+            self.write_interior_sum(&mut text);
         }
-        text.push_str("    return sum;\n}\n\n");
         self.write_edge_sum(&mut text);
         text
+    }
+
+    /// The sum of what has all neighbours.
+    fn write_interior_sum(&self, text: &mut String) {
+        text.push_str("fn interior_sum(site: u32, own: Value) -> real {\n");
+        text.push_str("    var sum = real(0.0);\n");
+        for group in self.entries.chunk_by(|a, b| a.1 == b.1) {
+            self.write_group(group, text);
+        }
+        text.push_str("    return sum;\n}\n\n");
     }
 
     /// The terms of one weight, with distances between sites as numbers.
