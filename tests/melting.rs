@@ -375,7 +375,7 @@ fn scenes_that_do_not_melt_pay_nothing() {
         (report.memory_bytes, plan.memory_bytes(&scene.problem, 1))
     };
     let ((melting, planned), (conducting, planned_without)) = (bytes(&keys[..2]), bytes(&keys));
-    assert_eq!(planned - planned_without, 800 * 3 * 8 + 3 * 4 * (800 / TILE as u64));
+    assert_eq!(planned - planned_without, 800 * 3 * 8 + 5 * 4 * (800 / TILE as u64));
     // Beside those the curve and what the device counts.
     let more = (melting - conducting) - (planned - planned_without);
     assert!(more < 600, "{more} bytes");

@@ -1,23 +1,24 @@
-// Of the state, whose enthalpies potentials tell unless they melt: a solid is of the first segment of its curve, a liquid
-// of the last, and both of them are straight.
+// Of the state, whose enthalpies potentials tell unless they melt. `thermal` has four vectors for each material: potential
+// and temperature of one state of a solid, each as the sum of two numbers; the same of a liquid; how temperatures of both
+// rise with potentials, and their conductivities; how the conductivity of what melts rises with its enthalpy, and from which
+// enthalpy.
 
 fn local_at(place: u32, is_changed: bool) -> Local {
+    let first = 4u * curve_of[place];
     let potential = state[place];
     let above_melting = collapsed(potential - phases_of(place).melts);
-    if above_melting == 0.0 {
-        return local_of(place, content[place]);
-    }
-    let bounds = curve_bounds(place);
-    let segment = select(bounds.x, bounds.y - 1u, above_melting > 0.0);
-    let base = curve[2u * segment].zw;
-    let shape = curve[2u * segment + 1u];
-    let heat = thermal[segment];
+    let is_liquid = above_melting > 0.0;
+    let base = thermal[first + u32(is_liquid)];
+    let phases = thermal[first + 2u];
     let above = plus(potential, of_words(-base.x, -base.y));
-    return Local(
-        plus(of_words(heat.x, heat.y), (heat.z / shape.x) * above),
-        potential,
-        shape.z,
-    );
+    let temperature =
+        plus(of_words(base.z, base.w), select(phases.x, phases.y, is_liquid) * above);
+    var conductivity = select(phases.z, phases.w, is_liquid);
+    if above_melting == 0.0 {
+        let melting = thermal[first + 3u];
+        conductivity += melting.x * (collapsed(content[place]) - melting.y);
+    }
+    return Local(temperature, potential, conductivity);
 }
 
 fn shortage(row: vec4<u32>) -> real {

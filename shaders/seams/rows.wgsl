@@ -1,25 +1,12 @@
 // What the matrix is short of where materials meet (`Seams` in src/model/operator/seams.rs). A row of
 // `seam_row` has the place of a particle, its first and end pair, and its place among the held ones or
 // NO_SLOT. A pair has the place of the other particle, its weight a reference step, and that over the
-// mean of the reference conductivities. `thermal` has for each segment of a curve the temperature where
-// it begins, as the sum of two numbers, and how it rises.
+// mean of the reference conductivities.
 
 struct Local {
     temperature: Value,
     potential: Value,
     conductivity: real,
-}
-
-fn local_of(place: u32, enthalpy: Value) -> Local {
-    let segment = segment_at(place, collapsed(enthalpy));
-    let above = above_start(segment, enthalpy);
-    let heat = thermal[segment];
-    let shape = curve[2u * segment + 1u];
-    return Local(
-        plus(of_words(heat.x, heat.y), heat.z * above),
-        potential_in(segment, above),
-        shape.z + shape.w * collapsed(above),
-    );
 }
 
 // The rate that the matrix is short of, dimensionless in time.

@@ -28,6 +28,20 @@ impl Buffer {
 impl Device {
     /// A storage buffer of `bytes` bytes (a multiple of 4), all zero.
     pub fn storage(&self, name: &str, bytes: u64) -> Result<Buffer, GpuError> {
+        self.storage_for(name, bytes, wgpu::BufferUsages::empty())
+    }
+
+    /// The same, from whose first three words passes may take their workgroups: along x, y and z.
+    pub fn storage_with_workgroups(&self, name: &str, bytes: u64) -> Result<Buffer, GpuError> {
+        self.storage_for(name, bytes, wgpu::BufferUsages::INDIRECT)
+    }
+
+    fn storage_for(
+        &self,
+        name: &str,
+        bytes: u64,
+        more: wgpu::BufferUsages,
+    ) -> Result<Buffer, GpuError> {
         let available = self.max_binding_bytes();
         if bytes > available {
             return Err(GpuError::TooLarge { what: name.to_owned(), needed: bytes, available });
@@ -35,7 +49,7 @@ impl Device {
         let usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_DST
             | wgpu::BufferUsages::COPY_SRC;
-        self.buffer(name, bytes, usage)
+        self.buffer(name, bytes, usage | more)
     }
 
     /// A storage buffer with these contents (a multiple of 4 bytes).
@@ -43,11 +57,6 @@ impl Device {
         let buffer = self.storage(name, contents.len() as u64)?;
         self.write(&buffer, contents)?;
         Ok(buffer)
-    }
-
-    /// A buffer that passes write and others take their workgroups from: along x, y and z.
-    pub fn workgroups(&self, name: &str) -> Result<Buffer, GpuError> {
-        self.buffer(name, 12, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT)
     }
 
     /// A parameter block with these contents (a multiple of 4 bytes).

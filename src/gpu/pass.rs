@@ -42,8 +42,8 @@ impl Pass {
         }
     }
 
-    /// The same with the workgroups that another pass has written to `buffer`, from
-    /// [`Device::workgroups`].
+    /// The same with the workgroups that other passes have written to `buffer`, from
+    /// [`Device::storage_with_workgroups`].
     #[must_use]
     pub fn with_workgroups(self, buffer: &Buffer) -> Self {
         Self { workgroups: Workgroups::OnDevice(buffer.inner.clone()), ..self }

@@ -160,13 +160,7 @@ impl CurvePasses {
 
     /// Every pass.
     pub fn all(self) -> Vec<PassSource> {
-        vec![
-            self.enthalpy_add(),
-            self.find_fronts(),
-            self.front_size(),
-            self.potential_change(),
-            self.slope_root(),
-        ]
+        vec![self.enthalpy_add(), self.find_fronts(), self.potential_change(), self.slope_root()]
     }
 
     fn changed(self, pass: &'static str) -> PassSource {
@@ -193,7 +187,7 @@ impl SeamPasses {
     pub fn step(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/written", "end/correction"];
         let (held, exchange) = self.held_of_step();
-        let mut source = self.on_rows("seams/of_state", &to, held);
+        let mut source = self.on_curves("seams/of_state", &to, held);
         source.bindings.push(write("content_after", value(self.precision)));
         note(&mut source, kept.then_some(Listed::Melting));
         source.bindings.extend(exchange);
@@ -205,7 +199,8 @@ impl SeamPasses {
     pub fn step_of_told(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/phases_of_each", "end/phases", "end/phases_addition"];
         let (held, exchange) = self.held_of_step();
-        let mut source = self.on_rows("seams/of_told", &to, held);
+        let curves = [read("curve_of", Element::U32)];
+        let mut source = self.on_rows(&["seams/of_told"], curves, &to, held);
         source.bindings.push(read("state", value(self.precision)));
         know_phases(&mut source, self.precision);
         note(&mut source, kept.then_some(Listed::Near));
@@ -223,7 +218,7 @@ impl SeamPasses {
 
     /// The same for rates.
     pub fn rate(self) -> PassSource {
-        self.on_rows("seams/of_state", &["seams/to_rate", "end/sum"], "seams/no_held")
+        self.on_curves("seams/of_state", &["seams/to_rate", "end/sum"], "seams/no_held")
     }
 
     /// The same for a vector of rates.
@@ -252,7 +247,7 @@ impl SeamPasses {
 
     fn combined(self, of: &'static str) -> PassSource {
         let held = if self.has_held() { "seams/given" } else { "seams/no_held" };
-        let mut source = self.on_rows(of, &["seams/to_vector", "end/sum"], held);
+        let mut source = self.on_curves(of, &["seams/to_vector", "end/sum"], held);
         source.bindings.push(block("factors", &COMBINATION));
         if self.has_held() {
             source.bindings.push(write("given", value(self.precision)));
@@ -260,10 +255,21 @@ impl SeamPasses {
         source
     }
 
-    fn on_rows(self, of: &str, to: &[&str], held: &str) -> PassSource {
+    fn on_curves(self, of: &str, to: &[&str], held: &str) -> PassSource {
+        let of = ["curve/each", "curve/segments", "seams/of_enthalpy", of];
+        self.on_rows(&of, curve_bindings(true), to, held)
+    }
+
+    fn on_rows(
+        self,
+        of: &[&str],
+        curves: impl IntoIterator<Item = Binding>,
+        to: &[&str],
+        held: &str,
+    ) -> PassSource {
         let value = value(self.precision);
         let mut bindings = vec![block("step_size", &STEP_SIZE)];
-        bindings.extend(curve_bindings(true));
+        bindings.extend(curves);
         bindings.extend([
             read("thermal", Element::Real4),
             read("seam_row", Element::U32x4),
@@ -273,8 +279,8 @@ impl SeamPasses {
             write("after", value),
         ]);
         let mean = format!("operator/{}", self.pair_mean.name());
-        let rows = ["curve/each", "curve/segments", &mean, "seams/rows", of, held];
-        let slots: Vec<&str> = rows.iter().chain(to).copied().collect();
+        let rows = [&mean, "seams/rows", held];
+        let slots: Vec<&str> = rows.iter().chain(of).chain(to).copied().collect();
         source(self.precision, self.workgroup_size, "seam", bindings, &slots)
     }
 }

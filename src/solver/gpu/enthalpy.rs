@@ -183,7 +183,7 @@ impl Enthalpy {
         from: usize,
         fronts: &DeviceFronts,
     ) -> Result<Option<Pass>, GpuError> {
-        let noted = fronts.noted_in(Listed::Melting);
+        let noted = fronts.noted_in(Listed::Melting, from);
         let (Some(noted), [content]) = (noted, self.parts(from)) else {
             return Ok(None);
         };
@@ -243,7 +243,7 @@ impl<'a> HeatFields<'a> {
         let contents = [k].into_iter().chain(beside.into_iter().flatten());
         let mut buffers: Vec<&Buffer> =
             contents.map(|part| &self.enthalpy.parts[self.from][part]).collect();
-        buffers.extend(fronts.buffers(makes, k, self.enthalpy.curve.get(1)));
+        buffers.extend(fronts.buffers(makes, k, self.from, self.enthalpy.curve.get(1)));
         if makes == FrontMakes::Flows {
             buffers.extend(self.of_end(k, Listed::Melting));
         }
@@ -265,7 +265,12 @@ impl<'a> HeatFields<'a> {
 
     /// The buffers of what puts tiles on a list, where there are lists.
     pub(super) fn noted_in(&self, list: Listed) -> Option<[&'a Buffer; 2]> {
-        self.fronts.and_then(|fronts| fronts.noted_in(list))
+        let of_step = match list {
+            Listed::Near => self.from,
+            // The next one lists the neighbours of what melts after this.
+            Listed::Melting => 1 - self.from,
+        };
+        self.fronts.and_then(|fronts| fronts.noted_in(list, of_step))
     }
 }
 

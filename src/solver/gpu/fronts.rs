@@ -4,7 +4,8 @@
 //! other, and a step goes through lists of tiles, whose lengths only the device knows: before it through those where
 //! anything melts, to list these and those of their neighbours. The step lists those too where anything melts after
 //! it, or ends to, and so does what is added to it where materials meet, if that comes before. Then flows are looked
-//! for in all of these, and what melts is listed for the next step.
+//! for in all of these, and what melts is listed for the next step. Of each list there are two, for steps in turn: who goes
+//! through one empties another that will be written next.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 
@@ -26,6 +27,9 @@ pub const TILE: usize = 2;
 
 /// Most workgroups along an axis of a dispatch that every device can do.
 const MOST_WORKGROUPS: u32 = 65_535;
+
+/// What an empty list begins with: the workgroups that go through it, along x, y and z, and its length.
+const EMPTY: [u32; 4] = [1, 1, 1, 0];
 
 /// The lists of tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +87,7 @@ impl FrontMakes {
             tiles_to(source);
             slots.extend(["front/everywhere", "front/near_all"]);
         } else {
-            source.bindings.push(read("listed", Element::U32));
+            source.bindings.extend([read("listed", Element::U32), write("emptied", Element::U32)]);
             let listed = match self {
                 Self::Near => Listed::Melting,
                 Self::Flows => Listed::Near,
@@ -125,36 +129,18 @@ pub(super) fn note(source: &mut PassSource, list: Option<Listed>) {
 fn append_to(source: &mut PassSource, list: Listed) {
     tiles_to(source);
     source.bindings.push(write("appended", Element::AtomicU32));
-    source.constants.push(("APPENDED", list.bit()));
+    source.constants.extend([
+        ("APPENDED", list.bit()),
+        ("LIST_LENGTH", Constant::Count(EMPTY.len() as u32 - 1)),
+        ("TILES_OF_WORKGROUP", Constant::Count(source.workgroup_size / TILE as u32)),
+        ("MOST_WORKGROUPS", Constant::Count(MOST_WORKGROUPS)),
+    ]);
     source.slots.push("front/append".to_owned());
 }
 
 fn tiles_to(source: &mut PassSource) {
     source.bindings.push(write("tiles", Element::AtomicU32));
     source.constants.push(("TILE", Constant::Count(TILE as u32)));
-}
-
-impl CurvePasses {
-    /// How many workgroups of other passes go through a list. It is a single invocation itself; its `WORKGROUP_SIZE`
-    /// is theirs.
-    pub fn front_size(self) -> PassSource {
-        PassSource {
-            pass: "front_size",
-            real: self.precision.real(),
-            workgroup_size: self.workgroup_size,
-            constants: vec![
-                ("TILE", Constant::Count(TILE as u32)),
-                ("MOST_WORKGROUPS", Constant::Count(MOST_WORKGROUPS)),
-            ],
-            bindings: vec![
-                read("listed", Element::U32),
-                write("emptied", Element::U32),
-                write("size", Element::U32),
-            ],
-            slots: vec![],
-            generated: String::new(),
-        }
-    }
 }
 
 /// Where what melts is, on the device.
@@ -168,13 +154,12 @@ pub(super) struct DeviceFronts {
     lists: Option<Lists>,
 }
 
-/// The lists of tiles, which begin with how many are in it, and the workgroups that go through each.
+/// The lists of tiles, by in which of its two places the state is as the step begins that goes through them. They begin as
+/// [`EMPTY`] does.
 #[derive(Debug)]
 struct Lists {
-    melting: Buffer,
-    near: Buffer,
-    of_melting: Buffer,
-    of_near: Buffer,
+    melting: [Buffer; 2],
+    near: [Buffer; 2],
 }
 
 impl DeviceFronts {
@@ -224,85 +209,74 @@ impl DeviceFronts {
         }))
     }
 
-    /// The pass that comes before those that make something: it counts their workgroups; `None` without lists.
-    pub(super) fn size(
-        &self,
-        device: &Device,
-        passes: CurvePasses,
-        makes: FrontMakes,
-    ) -> Result<Option<Pass>, GpuError> {
-        let Some(lists) = &self.lists else {
-            return Ok(None);
+    /// Has all lists be empty.
+    pub(super) fn clear(&self, device: &Device) -> Result<(), GpuError> {
+        let Some(Lists { melting, near }) = &self.lists else {
+            return Ok(());
         };
-        let Lists { melting, near, of_melting, of_near } = lists;
-        // A list that was gone through is empty after it.
-        let buffers = match makes {
-            FrontMakes::Near => [melting, near, of_melting],
-            FrontMakes::Flows => [near, melting, of_near],
-        };
-        device.pass(&passes.front_size(), &buffers, 1).map(Some)
+        let tiles = device.read(&self.tiles[0])?;
+        let unlisted = |tile: &u32| tile & ((1 << TILE) - 1);
+        let tiles: Vec<u32> = bytemuck::cast_slice(&tiles).iter().map(unlisted).collect();
+        device.write(&self.tiles[0], bytemuck::cast_slice(&tiles))?;
+        let mut lists = melting.iter().chain(near);
+        lists.try_for_each(|list| device.write(list, bytemuck::bytes_of(&EMPTY)))
     }
 
-    /// Has a pass go through its list, if there are lists.
-    pub(super) fn through_list(&self, pass: Pass, makes: FrontMakes) -> Pass {
+    /// Has a pass of a step `from` a place of the state go through its list, if there are lists.
+    pub(super) fn through_list(&self, pass: Pass, makes: FrontMakes, from: usize) -> Pass {
         let Some(lists) = &self.lists else {
             return pass;
         };
         pass.with_workgroups(match makes {
-            FrontMakes::Near => &lists.of_melting,
-            FrontMakes::Flows => &lists.of_near,
+            FrontMakes::Near => &lists.melting[from],
+            FrontMakes::Flows => &lists.near[from],
         })
     }
 
-    /// The buffers of a pass that puts what it notes on a list, after its own; `None` without lists.
-    pub(super) fn noted_in(&self, list: Listed) -> Option<[&Buffer; 2]> {
+    /// The buffers of a pass that puts what it notes on a list that the step `from` a place of the state goes through, after
+    /// its own; `None` without lists.
+    pub(super) fn noted_in(&self, list: Listed, from: usize) -> Option<[&Buffer; 2]> {
         let lists = self.lists.as_ref()?;
         let appended = match list {
-            Listed::Melting => &lists.melting,
-            Listed::Near => &lists.near,
+            Listed::Melting => &lists.melting[from],
+            Listed::Near => &lists.near[from],
         };
         Some([&self.tiles[0], appended])
     }
 
-    /// The buffers of a pass on part `k` of the state, after those of enthalpies; `curve_of` says which curve each
-    /// place has, where they have different ones.
+    /// The buffers of a pass of a step `from` a place of the state on part `k` of it, after those of enthalpies;
+    /// `curve_of` says which curve each place has, where they have different ones.
     pub(super) fn buffers<'a>(
         &'a self,
         makes: FrontMakes,
         k: usize,
+        from: usize,
         curve_of: Option<&'a Buffer>,
     ) -> Vec<&'a Buffer> {
-        let Some(lists) = &self.lists else {
+        let Some(Lists { melting, near }) = &self.lists else {
             return vec![&self.table, &self.tiles[k]];
         };
         match makes {
             FrontMakes::Near => {
-                let buffers = [&self.table, &lists.melting].into_iter().chain(curve_of);
-                buffers.chain([&self.tiles[k], &lists.near]).collect()
+                let listed = [&self.table, &melting[from], &near[1 - from]].into_iter();
+                listed.chain(curve_of).chain([&self.tiles[k], &near[from]]).collect()
             }
-            FrontMakes::Flows => vec![&self.table, &lists.near],
+            FrontMakes::Flows => vec![&self.table, &near[from], &melting[from]],
         }
     }
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        let lists = self
-            .lists
-            .iter()
-            .flat_map(|lists| [&lists.melting, &lists.near, &lists.of_melting, &lists.of_near]);
+        let lists = self.lists.iter().flat_map(|lists| lists.melting.iter().chain(&lists.near));
         self.tiles.iter().chain([&self.table]).chain(lists).map(Buffer::bytes).sum()
     }
 }
 
 impl Lists {
     fn new(device: &Device, tiles: usize) -> Result<Self, GpuError> {
-        let list = |name| device.storage(name, 4 * (1 + tiles as u64));
-        let workgroups = || device.workgroups("workgroups of fronts");
-        Ok(Self {
-            melting: list("tiles that melt")?,
-            near: list("tiles near what melts")?,
-            of_melting: workgroups()?,
-            of_near: workgroups()?,
-        })
+        let bytes = 4 * (EMPTY.len() + tiles) as u64;
+        let list = |name| device.storage_with_workgroups(name, bytes);
+        let both = |name| Ok::<_, GpuError>([list(name)?, list(name)?]);
+        Ok(Self { melting: both("tiles that melt")?, near: both("tiles near what melts")? })
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::enthalpy::HeatFields;
-use super::fronts::{DeviceFronts, FrontMakes};
+use super::fronts::FrontMakes;
 use super::lattice::Lattice;
 use super::list::{Chunk, List};
 use super::passes::{Choices, EXCEPTION_BYTES};
@@ -135,21 +135,6 @@ impl Operator {
         let Some((heat, fronts)) = fields.heat.and_then(|heat| Some((heat, heat.fronts?))) else {
             return Ok(Vec::new());
         };
-        let curves = heat.enthalpy.sources();
-        let through_places = self.passes_of_front(device, makes, fields, heat, fronts)?;
-        let size = fronts.size(device, curves, makes)?;
-        Ok(size.into_iter().chain(through_places).collect())
-    }
-
-    /// Those of these that go through places.
-    fn passes_of_front(
-        &self,
-        device: &Device,
-        makes: FrontMakes,
-        fields: &Fields<'_>,
-        heat: HeatFields<'_>,
-        fronts: &DeviceFronts,
-    ) -> Result<Vec<Pass>, GpuError> {
         let (choices, rows): (_, Vec<(u64, Vec<&Buffer>)>) = match self {
             Self::List { list, choices } => {
                 let chunks = list.chunks.iter();
@@ -168,7 +153,7 @@ impl Operator {
             buffers.extend(fields.exchange);
             buffers.extend(heat.of_front(fronts, makes, 0, None));
             let pass = device.pass(&source, &buffers, count)?;
-            Ok(fronts.through_list(pass, makes))
+            Ok(fronts.through_list(pass, makes, heat.from))
         };
         rows.into_iter().map(pass).collect()
     }

@@ -4,7 +4,9 @@ use super::curve_passes::SeamPasses;
 use super::enthalpy::{Curves, Enthalpy, HeatFields};
 use super::fronts::Listed;
 use super::passes::NO_SLOT;
+use super::phases::Told;
 use crate::gpu::{Buffer, Device, GpuError, Pass, PassSource};
+use crate::model::material::Segment;
 use crate::model::operator::Seams;
 use crate::model::{HeatCurve, Problem};
 use crate::solver::precision::two_words;
@@ -13,9 +15,13 @@ use crate::solver::precision::two_words;
 #[derive(Debug)]
 pub(super) struct DeviceSeams {
     passes: SeamPasses,
-    rows: u64,
-    /// Temperatures of segments, rows, pairs and their weights.
-    buffers: [Buffer; 4],
+    count: u64,
+    /// Temperatures of segments.
+    of_segments: Buffer,
+    /// Temperatures of phases, where potentials tell enthalpies.
+    of_phases: Option<Buffer>,
+    /// Rows, pairs and their weights.
+    rows: [Buffer; 3],
 }
 
 /// What a pass over the rows reads and writes.
@@ -60,14 +66,23 @@ impl DeviceSeams {
             rows.push([row.place, first, others.len() as u32, among_held]);
         }
         let real = passes.precision.real();
-        let thermal: Vec<f64> = curves.list().iter().flat_map(temperatures).collect();
-        let buffers = [
-            device.storage_with("temperatures of curves", &real.to_bytes(&thermal))?,
-            device.storage_with("rows of seams", bytemuck::cast_slice(&rows))?,
-            device.storage_with("pairs of seams", bytemuck::cast_slice(&others))?,
-            device.storage_with("weights of seams", &real.to_bytes(&weights))?,
-        ];
-        Ok(Some(Self { passes, rows: rows.len() as u64, buffers }))
+        let table = |name, of: Vec<f64>| device.storage_with(name, &real.to_bytes(&of));
+        let of_segments = curves.list().iter().flat_map(temperatures).collect();
+        let of_phases = Told::of(curves, passes.precision).map(|_| {
+            let of_curve = |curve: &HeatCurve| temperatures_of_phases(curve, scale);
+            table("temperatures of phases", curves.list().iter().flat_map(of_curve).collect())
+        });
+        Ok(Some(Self {
+            passes,
+            count: rows.len() as u64,
+            of_segments: table("temperatures of curves", of_segments)?,
+            of_phases: of_phases.transpose()?,
+            rows: [
+                device.storage_with("rows of seams", bytemuck::cast_slice(&rows))?,
+                device.storage_with("pairs of seams", bytemuck::cast_slice(&others))?,
+                table("weights of seams", weights)?,
+            ],
+        }))
     }
 
     /// Adds to a step of enthalpies what the matrix is short of, from potentials before it to those after it; held
@@ -84,17 +99,24 @@ impl DeviceSeams {
         let exchange = exchange.filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
         let content_after = &enthalpy.parts(1 - from)[0];
-        let (own, list) = match enthalpy.phase_table() {
-            Some(phases) => (vec![before, phases], Listed::Near),
-            None => (vec![content_after], Listed::Melting),
-        };
+        let list = if enthalpy.told().is_some() { Listed::Near } else { Listed::Melting };
         let noted = heat.noted_in(list);
-        let source = match list {
-            Listed::Near => self.passes.step_of_told(noted.is_some()),
-            Listed::Melting => self.passes.step(noted.is_some()),
-        };
-        let more = own.into_iter().chain(noted.into_iter().flatten()).chain(exchange);
-        self.pass(device, &source, fields, more)
+        let more = noted.into_iter().flatten().chain(exchange);
+        if let (Some(of_phases), Some(phases)) = (&self.of_phases, enthalpy.phase_table()) {
+            // Which phases each place has stands where it does among the buffers of curves.
+            let tables = [&enthalpy.curve()[1], of_phases];
+            let source = self.passes.step_of_told(noted.is_some());
+            self.pass_with(
+                device,
+                &source,
+                tables,
+                fields,
+                [before, phases].into_iter().chain(more),
+            )
+        } else {
+            let source = self.passes.step(noted.is_some());
+            self.pass(device, &source, fields, std::iter::once(content_after).chain(more))
+        }
     }
 
     /// Adds the same to rates a reference step.
@@ -137,27 +159,65 @@ impl DeviceSeams {
         fields: SeamFields<'a>,
         more: impl IntoIterator<Item = &'a Buffer>,
     ) -> Result<Pass, GpuError> {
+        let tables = fields.enthalpy.curve().iter().chain([&self.of_segments]);
+        self.pass_with(device, source, tables, fields, more)
+    }
+
+    fn pass_with<'a>(
+        &'a self,
+        device: &Device,
+        source: &PassSource,
+        tables: impl IntoIterator<Item = &'a Buffer>,
+        fields: SeamFields<'a>,
+        more: impl IntoIterator<Item = &'a Buffer>,
+    ) -> Result<Pass, GpuError> {
         let SeamFields { step_size, enthalpy, from, after } = fields;
         let mut buffers = vec![step_size];
-        buffers.extend(enthalpy.curve());
-        buffers.extend(&self.buffers);
+        buffers.extend(tables);
+        buffers.extend(&self.rows);
         // Only a state in one part has several curves.
         buffers.extend([&enthalpy.parts(from)[0], after]);
         buffers.extend(more);
-        device.pass(source, &buffers, self.rows)
+        device.pass(source, &buffers, self.count)
     }
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.buffers.iter().map(Buffer::bytes).sum()
+        let tables = [&self.of_segments].into_iter().chain(&self.of_phases);
+        tables.chain(&self.rows).map(Buffer::bytes).sum()
     }
 }
 
 /// A vector for each segment: the temperature where it begins, as the sum of two words, and how it rises.
 fn temperatures(curve: &HeatCurve) -> Vec<f64> {
-    let of = |segment: &crate::model::material::Segment| {
+    let of = |segment: &Segment| {
         let [temperature, rest] = two_words(segment.temperature);
         [temperature, rest, segment.warming, 0.0]
     };
     curve.segments().iter().flat_map(of).collect()
+}
+
+/// The same of the phases of a curve that potentials tell, with conductivities times `scale`: see
+/// `shaders/seams/of_told.wgsl`.
+fn temperatures_of_phases(curve: &HeatCurve, scale: f64) -> Vec<f64> {
+    let segments = curve.segments();
+    let (solid, liquid) = (&segments[0], &segments[segments.len() - 1]);
+    let of = |segment: &Segment| {
+        let [potential, rest] = two_words(segment.potential);
+        let [temperature, of_temperature] = two_words(segment.temperature);
+        [potential, rest, temperature, of_temperature]
+    };
+    let warming = |segment: &Segment| segment.warming / segment.slope;
+    let conductivity = |segment: &Segment| curve.conductivity_of(segment).map(|k| scale * k);
+    let of_phases = [solid, liquid];
+    let [[of_solid, _], [of_liquid, _]] = of_phases.map(conductivity);
+    let [begins, rise] = match segments {
+        [_, melting, _] => [melting.start, conductivity(melting)[1]],
+        // Nothing melts.
+        _ => [0.0, 0.0],
+    };
+    let mut table = of_phases.map(of).concat();
+    table.extend([warming(solid), warming(liquid), of_solid, of_liquid]);
+    table.extend([rise, begins, 0.0, 0.0]);
+    table
 }

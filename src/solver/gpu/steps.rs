@@ -208,7 +208,8 @@ impl Steps {
             self.up_to_date = UpToDate::Potentials;
         }
         if !std::mem::replace(&mut self.has_found_fronts, true) {
-            if let Some(find) = &self.find_fronts[self.current] {
+            if let (Some(find), Some(fronts)) = (&self.find_fronts[self.current], &self.fronts) {
+                fronts.clear(device)?;
                 device.submit([find])?;
             }
         }

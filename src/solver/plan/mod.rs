@@ -218,9 +218,9 @@ impl Plan {
         // Which curve each follows, where they differ.
         let of_enthalpy = if problem.has_curves() { self.bytes_of_enthalpy() } else { 0 };
         let of_curves = if problem.has_one_curve() { 0 } else { 4 };
-        // On a GPU a word of every tile, and two lists of tiles, where fronts may come by.
+        // On a GPU a word of every tile, and four lists of tiles, where fronts may come by.
         let has_tiles = self.machine != MachineKind::Cpu && Fronts::of(problem).is_some();
-        let of_fronts = if has_tiles { 3 * 4 * sites.div_ceil(gpu::TILE as u64) } else { 0 };
+        let of_fronts = if has_tiles { 5 * 4 * sites.div_ceil(gpu::TILE as u64) } else { 0 };
         let enthalpy = sites * (of_enthalpy + of_curves) + of_fronts;
         of_operator + enthalpy + self.bytes_of_sources(problem)
     }

@@ -187,7 +187,7 @@ impl Lattice {
                 buffers.extend(heat.of_front(fronts, makes, k, beside));
                 let pass = device.pass(&source, &buffers, threads)?;
                 passes.push(match sites {
-                    Sites::All => fronts.through_list(pass, makes),
+                    Sites::All => fronts.through_list(pass, makes, heat.from),
                     Sites::Exceptions => pass,
                 });
             }
