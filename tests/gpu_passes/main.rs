@@ -2,6 +2,7 @@
 //! do.
 
 mod backend;
+mod front_lists;
 mod limits;
 mod list;
 mod probe;
