@@ -124,7 +124,7 @@ fn lattices() -> Vec<StencilSource> {
                     rows,
                     held: bit(2),
                     walls,
-                    is_costly: false,
+                    finds_each: false,
                     precision,
                     workgroup_size: 64,
                 });

@@ -1,5 +1,5 @@
-// Tiles are listed, each once. A list begins with how many workgroups go through it, along x, y and z: one at least. Behind
-// its length are the tiles.
+// Tiles are listed, each once. A list begins with how many workgroups go through it, along x, y and z: one at least, since
+// the first empties another list too. Then comes its length, and then the tiles.
 
 fn append(tile: u32) {
     if (atomicOr(&tiles[tile], APPENDED) & APPENDED) != 0u {

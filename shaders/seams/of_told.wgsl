@@ -1,7 +1,7 @@
 // Of the state, whose enthalpies potentials tell unless they melt. `thermal` has four vectors for each material: potential
 // and temperature of one state of a solid, each as the sum of two numbers; the same of a liquid; how temperatures of both
 // rise with potentials, and their conductivities; how the conductivity of what melts rises with its enthalpy, and from which
-// enthalpy.
+// enthalpy on, as the sum of two numbers.
 
 fn local_at(place: u32, is_changed: bool) -> Local {
     let first = 4u * curve_of[place];
@@ -16,7 +16,8 @@ fn local_at(place: u32, is_changed: bool) -> Local {
     var conductivity = select(phases.z, phases.w, is_liquid);
     if above_melting == 0.0 {
         let melting = thermal[first + 3u];
-        conductivity += melting.x * (collapsed(content[place]) - melting.y);
+        let above_begin = plus(content[place], of_words(-melting.y, -melting.z));
+        conductivity += melting.x * collapsed(above_begin);
     }
     return Local(temperature, potential, conductivity);
 }

@@ -76,13 +76,14 @@ pub fn choose(name: Option<&str>, allow_software: bool) -> Result<Option<Adapter
 
 /// Every adapter, best first, in an order that does not depend on that of enumeration.
 fn ranked() -> Vec<Adapter> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-    if cfg!(not(any(windows, debug_assertions))) {
-        // Passes whose workgroups a device has counted are as many as every device can do, and looking at that takes a
-        // dispatch more for each. Direct3D does not know how many there are without it.
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    if cfg!(target_os = "linux") {
+        // Whether the workgroups that a device has counted are too many: they never are, and looking takes a dispatch more
+        // for each pass. Elsewhere more hangs on it: Direct3D tells passes how many workgroups there are by it, and of Metal
+        // wgpu keeps buffers below 4 GiB by it.
         descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
     }
-    let instance = wgpu::Instance::new(descriptor);
+    let instance = wgpu::Instance::new(descriptor.with_env());
     let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     let mut all: Vec<Adapter> = found.into_iter().map(describe).collect();
     all.sort_by_key(|a| {

@@ -48,7 +48,7 @@ fn listed(enthalpies: &[f32], at_once: u32, most: u32) -> ([u32; 4], Vec<u32>) {
 
 /// As many enthalpies that melt as `melts` says, one of each tile.
 fn melting(count: usize, melts: impl Fn(usize) -> bool) -> Vec<f32> {
-    let enthalpy = |place: usize| match place % TILE == 0 && melts(place / TILE) {
+    let enthalpy = |place: usize| match place.is_multiple_of(TILE) && melts(place / TILE) {
         true => 500.0,
         // The ends of melting do not melt.
         false => [350.0, 400.0, 600.0, 700.0][place % 4],
@@ -65,7 +65,7 @@ fn a_list_has_each_tile_that_melts_once() {
     assert_eq!(listed(&melting(5001, |_| false), 32, 65_535), ([1, 1, 1, 0], vec![]));
 }
 
-/// As few workgroups as there are along an axis where more than that go through a list.
+/// Where more go through a list than there are along an axis, they are in rows.
 #[test]
 fn a_list_has_a_workgroup_for_every_tile() {
     for count in [1, 3, 4, 5, 39, 40, 41, 44, 45, 80, 81, 500] {

@@ -213,7 +213,7 @@ impl Choices {
     /// What fronts change of a step of the rows of a chunk, or the tiles where they may.
     pub fn front(&self, curves: CurvePasses, makes: FrontMakes) -> PassSource {
         let mut source = Self { walls: WallTerms::None, ..*self }.on_rows("front");
-        makes.add_to(&mut source, curves, false);
+        makes.add_to(&mut source, curves, false, true);
         source
     }
 

@@ -238,12 +238,14 @@ impl<'a> HeatFields<'a> {
         fronts: &'a DeviceFronts,
         makes: FrontMakes,
         k: usize,
+        is_through_list: bool,
         beside: Option<[usize; 2]>,
     ) -> Vec<&'a Buffer> {
         let contents = [k].into_iter().chain(beside.into_iter().flatten());
         let mut buffers: Vec<&Buffer> =
             contents.map(|part| &self.enthalpy.parts[self.from][part]).collect();
-        buffers.extend(fronts.buffers(makes, k, self.from, self.enthalpy.curve.get(1)));
+        let curve_of = self.enthalpy.curve.get(1);
+        buffers.extend(fronts.buffers(makes, k, self.from, is_through_list, curve_of));
         if makes == FrontMakes::Flows {
             buffers.extend(self.of_end(k, Listed::Melting));
         }

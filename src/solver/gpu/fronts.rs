@@ -5,7 +5,8 @@
 //! anything melts, to list these and those of their neighbours. The step lists those too where anything melts after
 //! it, or ends to, and so does what is added to it where materials meet, if that comes before. Then flows are looked
 //! for in all of these, and what melts is listed for the next step. Of each list there are two, for steps in turn: who goes
-//! through one empties another that will be written next.
+//! through this step's list of what melts empties the next step's list of what is near, which the step before went through,
+//! and who goes through this step's list of what is near empties that of what melts, which the next step fills again.
 //! The lists are in any order, but each place sums up its own flows, so that results do not depend on it. A state in
 //! parts has no lists: flows are looked for everywhere.
 
@@ -69,8 +70,15 @@ impl FrontMakes {
         if is_split { &[Self::Flows] } else { &Self::ALL }
     }
 
-    /// Makes the pass `source` of a step one of this: sums find flows or neighbours where they would find the state.
-    pub(super) fn add_to(self, source: &mut PassSource, curves: CurvePasses, is_split: bool) {
+    /// Makes the pass `source` of a step one of this: sums find flows or neighbours where they would find the state. It goes
+    /// through a list, or leaves out what is in none.
+    pub(super) fn add_to(
+        self,
+        source: &mut PassSource,
+        curves: CurvePasses,
+        is_split: bool,
+        is_through_list: bool,
+    ) {
         let contents: &[&str] = match is_split {
             true => &["content", "content_below", "content_above"],
             false => &["content"],
@@ -87,15 +95,18 @@ impl FrontMakes {
             tiles_to(source);
             slots.extend(["front/everywhere", "front/near_all"]);
         } else {
-            source.bindings.extend([read("listed", Element::U32), write("emptied", Element::U32)]);
             let listed = match self {
                 Self::Near => Listed::Melting,
                 Self::Flows => Listed::Near,
             };
             source.constants.push(("LISTED", listed.bit()));
-            slots.push("front/listed");
-            // Of those that go through what may be in no listed tile.
-            slots.extend((self == Self::Flows).then_some("front/near_listed"));
+            if is_through_list {
+                let lists = [read("listed", Element::U32), write("emptied", Element::U32)];
+                source.bindings.extend(lists);
+                slots.push("front/listed");
+            } else {
+                slots.push("front/near_listed");
+            }
         }
         source.slots.retain(|slot| slot != STATE_END);
         source.slots.extend(slots.into_iter().map(str::to_owned));
@@ -127,6 +138,8 @@ pub(super) fn note(source: &mut PassSource, list: Option<Listed>) {
 }
 
 fn append_to(source: &mut PassSource, list: Listed) {
+    // Those who go through lists have as many invocations a workgroup as those who write them.
+    debug_assert!(source.workgroup_size >= TILE as u32, "a tile is gone through by one workgroup");
     tiles_to(source);
     source.bindings.push(write("appended", Element::AtomicU32));
     source.constants.extend([
@@ -154,8 +167,8 @@ pub(super) struct DeviceFronts {
     lists: Option<Lists>,
 }
 
-/// The lists of tiles, by in which of its two places the state is as the step begins that goes through them. They begin as
-/// [`EMPTY`] does.
+/// The lists of tiles, which begin as [`EMPTY`] does; two each: the one that a step goes through is that of the place of the
+/// state that it reads.
 #[derive(Debug)]
 struct Lists {
     melting: [Buffer; 2],
@@ -251,6 +264,7 @@ impl DeviceFronts {
         makes: FrontMakes,
         k: usize,
         from: usize,
+        is_through_list: bool,
         curve_of: Option<&'a Buffer>,
     ) -> Vec<&'a Buffer> {
         let Some(Lists { melting, near }) = &self.lists else {
@@ -261,7 +275,8 @@ impl DeviceFronts {
                 let listed = [&self.table, &melting[from], &near[1 - from]].into_iter();
                 listed.chain(curve_of).chain([&self.tiles[k], &near[from]]).collect()
             }
-            FrontMakes::Flows => vec![&self.table, &near[from], &melting[from]],
+            FrontMakes::Flows if is_through_list => vec![&self.table, &near[from], &melting[from]],
+            FrontMakes::Flows => vec![&self.table],
         }
     }
 

@@ -151,7 +151,7 @@ impl Operator {
         let pass = |(count, mut buffers): (u64, Vec<_>)| {
             buffers.extend([&fields.from[0], &fields.to[0], fields.step_size]);
             buffers.extend(fields.exchange);
-            buffers.extend(heat.of_front(fronts, makes, 0, None));
+            buffers.extend(heat.of_front(fronts, makes, 0, true, None));
             let pass = device.pass(&source, &buffers, count)?;
             Ok(fronts.through_list(pass, makes, heat.from))
         };

@@ -154,6 +154,11 @@ pub(super) enum Told {
 }
 
 impl Told {
+    /// Whether all potentials of `curves` tell enthalpies.
+    pub(super) fn is_of(curves: &Curves, precision: Precision) -> bool {
+        curves.list().iter().all(|curve| Phases::of(curve, precision).is_some())
+    }
+
     /// Those of `curves`, if all their potentials tell enthalpies.
     pub(super) fn of(curves: &Curves, precision: Precision) -> Option<Self> {
         match curves {

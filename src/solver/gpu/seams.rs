@@ -68,7 +68,7 @@ impl DeviceSeams {
         let real = passes.precision.real();
         let table = |name, of: Vec<f64>| device.storage_with(name, &real.to_bytes(&of));
         let of_segments = curves.list().iter().flat_map(temperatures).collect();
-        let of_phases = Told::of(curves, passes.precision).map(|_| {
+        let of_phases = Told::is_of(curves, passes.precision).then(|| {
             let of_curve = |curve: &HeatCurve| temperatures_of_phases(curve, scale);
             table("temperatures of phases", curves.list().iter().flat_map(of_curve).collect())
         });
@@ -99,23 +99,18 @@ impl DeviceSeams {
         let exchange = exchange.filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
         let content_after = &enthalpy.parts(1 - from)[0];
-        let list = if enthalpy.told().is_some() { Listed::Near } else { Listed::Melting };
-        let noted = heat.noted_in(list);
-        let more = noted.into_iter().flatten().chain(exchange);
         if let (Some(of_phases), Some(phases)) = (&self.of_phases, enthalpy.phase_table()) {
-            // Which phases each place has stands where it does among the buffers of curves.
-            let tables = [&enthalpy.curve()[1], of_phases];
+            let noted = heat.noted_in(Listed::Near);
             let source = self.passes.step_of_told(noted.is_some());
-            self.pass_with(
-                device,
-                &source,
-                tables,
-                fields,
-                [before, phases].into_iter().chain(more),
-            )
+            // Which material each place has is the second of the buffers of curves.
+            let tables = [&enthalpy.curve()[1], of_phases];
+            let more = [before, phases].into_iter().chain(noted.into_iter().flatten());
+            self.pass_with(device, &source, tables, fields, more.chain(exchange))
         } else {
+            let noted = heat.noted_in(Listed::Melting);
             let source = self.passes.step(noted.is_some());
-            self.pass(device, &source, fields, std::iter::once(content_after).chain(more))
+            let more = std::iter::once(content_after).chain(noted.into_iter().flatten());
+            self.pass(device, &source, fields, more.chain(exchange))
         }
     }
 
@@ -211,13 +206,14 @@ fn temperatures_of_phases(curve: &HeatCurve, scale: f64) -> Vec<f64> {
     let conductivity = |segment: &Segment| curve.conductivity_of(segment).map(|k| scale * k);
     let of_phases = [solid, liquid];
     let [[of_solid, _], [of_liquid, _]] = of_phases.map(conductivity);
-    let [begins, rise] = match segments {
-        [_, melting, _] => [melting.start, conductivity(melting)[1]],
+    let [rise, begins] = match segments {
+        [_, melting, _] => [conductivity(melting)[1], melting.start],
         // Nothing melts.
-        _ => [0.0, 0.0],
+        _ => [0.0; 2],
     };
+    let [begins, of_begins] = two_words(begins);
     let mut table = of_phases.map(of).concat();
     table.extend([warming(solid), warming(liquid), of_solid, of_liquid]);
-    table.extend([rise, begins, 0.0, 0.0]);
+    table.extend([rise, begins, of_begins, 0.0]);
     table
 }

@@ -207,11 +207,12 @@ impl Steps {
             }
             self.up_to_date = UpToDate::Potentials;
         }
-        if !std::mem::replace(&mut self.has_found_fronts, true) {
+        if !self.has_found_fronts {
             if let (Some(find), Some(fronts)) = (&self.find_fronts[self.current], &self.fronts) {
                 fronts.clear(device)?;
                 device.submit([find])?;
             }
+            self.has_found_fronts = true;
         }
         Ok(())
     }

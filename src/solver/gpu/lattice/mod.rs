@@ -108,7 +108,7 @@ impl Lattice {
             },
             held: !held.is_empty(),
             walls: WallTerms::of(walls),
-            is_costly: false,
+            finds_each: false,
             precision: options.precision,
             workgroup_size: options.workgroup_size,
         };
@@ -184,7 +184,8 @@ impl Lattice {
             for (k, threads) in self.threads(sites) {
                 let mut buffers = self.buffers(&of_fronts, k, sites, Makes::Step, &fields);
                 let beside = self.source.is_split.then_some(self.parts[k].beside);
-                buffers.extend(heat.of_front(fronts, makes, k, beside));
+                let is_through_list = sites == Sites::All;
+                buffers.extend(heat.of_front(fronts, makes, k, is_through_list, beside));
                 let pass = device.pass(&source, &buffers, threads)?;
                 passes.push(match sites {
                     Sites::All => fronts.through_list(pass, makes, heat.from),

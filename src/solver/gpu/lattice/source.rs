@@ -56,8 +56,8 @@ pub struct StencilSource {
     pub held: bool,
     /// What walls add to a step.
     pub walls: WallTerms,
-    /// Whether sums cost more by what they find at each neighbour than by finding it.
-    pub is_costly: bool,
+    /// Whether a sum finds each neighbour for itself, wherever a site is.
+    pub finds_each: bool,
     /// The precision.
     pub precision: Precision,
     /// Invocations a workgroup.
@@ -213,7 +213,7 @@ impl StencilSource {
     /// The slots of the stencil; their buffers go to `bindings`.
     fn stencil(&self, bindings: &mut Vec<Binding>) -> Vec<&'static str> {
         bindings.push(read("ghost_excess", Element::Real));
-        let finding = if self.is_costly { "lattice/anywhere" } else { "lattice/inside" };
+        let finding = if self.finds_each { "lattice/anywhere" } else { "lattice/inside" };
         let mut slots = vec!["lattice/site", finding];
         if self.is_loop() {
             let weight = read("entry_weight", value(self.precision));
@@ -232,7 +232,7 @@ impl StencilSource {
     pub(super) fn of_fronts(&self, makes: FrontMakes) -> Self {
         // Kinds would leave out sites with rows of their own, beside which tiles are listed too; weights do not count.
         let kinds = self.kinds && makes == FrontMakes::Flows;
-        Self { walls: WallTerms::None, kinds, is_costly: true, ..self.clone() }
+        Self { walls: WallTerms::None, kinds, finds_each: true, ..self.clone() }
     }
 
     /// What fronts change of a step of some sites of a part, or the tiles where they may.
@@ -242,7 +242,7 @@ impl StencilSource {
             Sites::All => "lattice_front",
             Sites::Exceptions => "exception_front",
         };
-        makes.add_to(&mut source, curves, self.is_split);
+        makes.add_to(&mut source, curves, self.is_split, sites == Sites::All);
         source
     }
 
@@ -299,7 +299,7 @@ impl StencilSource {
     /// The sums with every neighbour written out.
     fn sums(&self) -> String {
         let mut text = String::new();
-        if !self.is_costly {
+        if !self.finds_each {
             self.write_interior_sum(&mut text);
         }
         self.write_edge_sum(&mut text);
