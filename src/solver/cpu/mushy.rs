@@ -86,7 +86,8 @@ impl Look for (Combine, MushyStep) {
     fn bits(self, now: f64, next: f64) -> u64 {
         let [[over, above], [next_over, next_above]] =
             [now, next].map(|potential| rooms(self.1.ends, potential));
-        (over & !above) | (over ^ next_over) | (above ^ next_above)
+        // Not both solid, nor both liquid: what is above the most is above the least.
+        (over | next_over) & !(above & next_above)
     }
 
     /// Takes on what is mushy, of which there is in `out` what it would be with the slopes of other phases.
