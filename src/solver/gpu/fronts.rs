@@ -70,6 +70,14 @@ impl FrontMakes {
         if is_split { &[Self::Flows] } else { &Self::ALL }
     }
 
+    /// The list that is gone through.
+    fn listed(self) -> Listed {
+        match self {
+            Self::Near => Listed::Melting,
+            Self::Flows => Listed::Near,
+        }
+    }
+
     /// Makes the pass `source` of a step one of this: sums find flows or neighbours where they would find the state. It goes
     /// through a list, or leaves out what is in none.
     pub(super) fn add_to(
@@ -95,11 +103,7 @@ impl FrontMakes {
             tiles_to(source);
             slots.extend(["front/everywhere", "front/near_all"]);
         } else {
-            let listed = match self {
-                Self::Near => Listed::Melting,
-                Self::Flows => Listed::Near,
-            };
-            source.constants.push(("LISTED", listed.bit()));
+            source.constants.push(("LISTED", self.listed().bit()));
             if is_through_list {
                 let lists = [read("listed", Element::U32), write("emptied", Element::U32)];
                 source.bindings.extend(lists);
@@ -222,39 +226,31 @@ impl DeviceFronts {
         }))
     }
 
-    /// Has all lists be empty.
+    /// Has all lists be empty again.
     pub(super) fn clear(&self, device: &Device) -> Result<(), GpuError> {
-        let Some(Lists { melting, near }) = &self.lists else {
+        let Some(lists) = &self.lists else {
             return Ok(());
         };
         let tiles = device.read(&self.tiles[0])?;
         let unlisted = |tile: &u32| tile & ((1 << TILE) - 1);
         let tiles: Vec<u32> = bytemuck::cast_slice(&tiles).iter().map(unlisted).collect();
         device.write(&self.tiles[0], bytemuck::cast_slice(&tiles))?;
-        let mut lists = melting.iter().chain(near);
-        lists.try_for_each(|list| device.write(list, bytemuck::bytes_of(&EMPTY)))
+        lists.empty(device)
     }
 
     /// Has a pass of a step `from` a place of the state go through its list, if there are lists.
     pub(super) fn through_list(&self, pass: Pass, makes: FrontMakes, from: usize) -> Pass {
-        let Some(lists) = &self.lists else {
-            return pass;
-        };
-        pass.with_workgroups(match makes {
-            FrontMakes::Near => &lists.melting[from],
-            FrontMakes::Flows => &lists.near[from],
-        })
+        match &self.lists {
+            Some(lists) => pass.with_workgroups(lists.of_step(makes.listed(), from)),
+            None => pass,
+        }
     }
 
     /// The buffers of a pass that puts what it notes on a list that the step `from` a place of the state goes through, after
     /// its own; `None` without lists.
     pub(super) fn noted_in(&self, list: Listed, from: usize) -> Option<[&Buffer; 2]> {
         let lists = self.lists.as_ref()?;
-        let appended = match list {
-            Listed::Melting => &lists.melting[from],
-            Listed::Near => &lists.near[from],
-        };
-        Some([&self.tiles[0], appended])
+        Some([&self.tiles[0], lists.of_step(list, from)])
     }
 
     /// The buffers of a pass of a step `from` a place of the state on part `k` of it, after those of enthalpies;
@@ -282,7 +278,7 @@ impl DeviceFronts {
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        let lists = self.lists.iter().flat_map(|lists| lists.melting.iter().chain(&lists.near));
+        let lists = self.lists.iter().flat_map(Lists::all);
         self.tiles.iter().chain([&self.table]).chain(lists).map(Buffer::bytes).sum()
     }
 }
@@ -292,6 +288,25 @@ impl Lists {
         let bytes = 4 * (EMPTY.len() + tiles) as u64;
         let list = |name| device.storage_with_workgroups(name, bytes);
         let both = |name| Ok::<_, GpuError>([list(name)?, list(name)?]);
-        Ok(Self { melting: both("tiles that melt")?, near: both("tiles near what melts")? })
+        let lists =
+            Self { melting: both("tiles that melt")?, near: both("tiles near what melts")? };
+        lists.empty(device)?;
+        Ok(lists)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Buffer> {
+        self.melting.iter().chain(&self.near)
+    }
+
+    /// The one that the step `from` a place of the state goes through.
+    fn of_step(&self, list: Listed, from: usize) -> &Buffer {
+        match list {
+            Listed::Melting => &self.melting[from],
+            Listed::Near => &self.near[from],
+        }
+    }
+
+    fn empty(&self, device: &Device) -> Result<(), GpuError> {
+        self.all().try_for_each(|list| device.write(list, bytemuck::bytes_of(&EMPTY)))
     }
 }

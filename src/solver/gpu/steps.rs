@@ -26,6 +26,17 @@ pub(super) struct Heat<'a> {
     pub(super) fronts: Option<DeviceFronts>,
 }
 
+/// What lists have of what melts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ListedFronts {
+    /// Nothing yet.
+    Nothing,
+    /// What melts.
+    Present,
+    /// What melted before others than steps have changed the state.
+    Past,
+}
+
 /// The state with everything that changes it.
 #[derive(Debug)]
 pub(super) struct Steps {
@@ -44,8 +55,8 @@ pub(super) struct Steps {
     fronts: Option<DeviceFronts>,
     /// Lists what melts, by which state that is.
     find_fronts: [Option<Pass>; 2],
-    /// Whether it is listed: others than steps may have changed the state.
-    has_found_fronts: bool,
+    /// What is listed of it.
+    listed: ListedFronts,
     /// What held particles have given; only where there is one.
     exchange: Option<Buffer>,
     /// The rows to which walls add more than weights; only where there is one.
@@ -155,7 +166,7 @@ impl Steps {
             seams,
             fronts,
             find_fronts,
-            has_found_fronts: false,
+            listed: ListedFronts::Nothing,
             exchange,
             walls,
             step_size,
@@ -207,12 +218,14 @@ impl Steps {
             }
             self.up_to_date = UpToDate::Potentials;
         }
-        if !self.has_found_fronts {
+        if self.listed != ListedFronts::Present {
             if let (Some(find), Some(fronts)) = (&self.find_fronts[self.current], &self.fronts) {
-                fronts.clear(device)?;
+                if self.listed == ListedFronts::Past {
+                    fronts.clear(device)?;
+                }
                 device.submit([find])?;
             }
-            self.has_found_fronts = true;
+            self.listed = ListedFronts::Present;
         }
         Ok(())
     }
@@ -266,7 +279,9 @@ impl Steps {
     /// Takes what was written in place of the present state, of which that much is up to date.
     pub(super) fn replaced(&mut self, up_to_date: UpToDate) {
         self.up_to_date = up_to_date;
-        self.has_found_fronts = false;
+        if self.listed == ListedFronts::Present {
+            self.listed = ListedFronts::Past;
+        }
     }
 
     /// The parts of the present state, whatever the operator acts on; enthalpies in them may have to be settled.
