@@ -6,6 +6,8 @@ use crate::model::wide::{Work, choose, multiply_add};
 
 /// Values that are worked on together: of one segment of their curve as a rule.
 const FEW: usize = 16;
+/// The same of several segments: of fewer the fewer there are together.
+const FEWER: usize = 8;
 
 /// Adds `dt` times what is in `out` to each enthalpy, and writes its potential there.
 pub(super) struct Change<'a, F> {
@@ -95,7 +97,15 @@ impl Here<'_> {
         *enthalpies = after;
         *out = potentials;
         match within >> 63 == 0 {
-            true => self.few_of_several::<FUSED>(enthalpies, out),
+            true => {
+                let (enthalpies, _) = enthalpies.as_chunks();
+                let (out, _) = out.as_chunks_mut();
+                let mut any = false;
+                for (fewer, out) in enthalpies.iter().zip(out) {
+                    any |= self.fewer::<FUSED>(fewer, out);
+                }
+                any
+            }
             false => self.flat == Some(self.which),
         }
     }
@@ -103,24 +113,23 @@ impl Here<'_> {
     /// Writes the potentials of a few enthalpies: for each segment that they are of with all of them at once.
     /// Returns what [`Self::few`] does.
     #[inline(always)]
-    fn few_of_several<const FUSED: bool>(
+    fn fewer<const FUSED: bool>(
         &mut self,
-        enthalpies: &[f64; FEW],
-        out: &mut [f64; FEW],
+        enthalpies: &[f64; FEWER],
+        out: &mut [f64; FEWER],
     ) -> bool {
+        let [least, most] = extremes(enthalpies);
         let mut which = self.which;
-        while which > 0 && any_is_below(self.segments[which].start, enthalpies) {
+        while which > 0 && least < self.segments[which].start {
             which -= 1;
         }
-        for x in 0..FEW {
+        for x in 0..FEWER {
             out[x] = self.segments[which].potential_at::<FUSED>(enthalpies[x]);
         }
         self.which = which;
-        let (first, last) = (which, enthalpies[FEW - 1]);
-        while let Some(next) =
-            self.segments.get(which + 1).filter(|next| any_is_at_least(next.start, enthalpies))
-        {
-            for x in 0..FEW {
+        let (first, last) = (which, enthalpies[FEWER - 1]);
+        while let Some(next) = self.segments.get(which + 1).filter(|next| next.start <= most) {
+            for x in 0..FEWER {
                 let potential = next.potential_at::<FUSED>(enthalpies[x]);
                 out[x] = choose(next.start <= enthalpies[x], potential, out[x]);
             }
@@ -145,35 +154,30 @@ fn ends_of(segments: &[Segment], which: usize) -> [f64; 2] {
     [start, segments.get(which + 1).map_or(f64::INFINITY, |next| next.start)]
 }
 
-/// Whether any of a few numbers is below an end: by bits of signs, since a processor puts them together for several
-/// at once.
+/// Whether any of a few numbers is not below a start and below an end: by bits of signs, since a processor puts them
+/// together for several at once.
 #[inline(always)]
-fn any_is_below(end: f64, numbers: &[f64; FEW]) -> bool {
-    let mut any = 0;
-    for number in numbers {
-        any |= (number - end).to_bits();
-    }
-    any >> 63 != 0
-}
-
-/// Whether any of a few numbers is not below a start.
-#[inline(always)]
-fn any_is_at_least(start: f64, numbers: &[f64; FEW]) -> bool {
-    let mut all = u64::MAX;
-    for number in numbers {
-        all &= (number - start).to_bits();
-    }
-    all >> 63 == 0
-}
-
-/// Whether any of a few numbers is not below a start and below an end.
-#[inline(always)]
-fn any_is_within([start, end]: [f64; 2], numbers: &[f64; FEW]) -> bool {
+fn any_is_within([start, end]: [f64; 2], numbers: &[f64; FEWER]) -> bool {
     let mut any = 0;
     for number in numbers {
         any |= !(number - start).to_bits() & (number - end).to_bits();
     }
     any >> 63 != 0
+}
+
+/// The least and the greatest of some numbers.
+#[inline(always)]
+fn extremes(numbers: &[f64; FEWER]) -> [f64; 2] {
+    let (mut least, mut most) = (*numbers, *numbers);
+    let mut count = FEWER;
+    while count > 1 {
+        count /= 2;
+        for x in 0..count {
+            least[x] = if least[x + count] < least[x] { least[x + count] } else { least[x] };
+            most[x] = if most[x + count] > most[x] { most[x + count] } else { most[x] };
+        }
+    }
+    [least[0], most[0]]
 }
 
 #[cfg(test)]
