@@ -85,10 +85,30 @@ fn look<const FUSED: bool>(
         let mut lanes = [0; FEW];
         add_bits(by, of_now, of_out, &mut lanes);
         if any_of(lanes) >> 63 != 0 {
-            by.take::<FUSED>(&now[from..to], &mut out[from..to], found, first + from);
+            let some = some_of(&lanes);
+            let these = (to - FEW + some.start).max(from)..to - FEW + some.end;
+            if !these.is_empty() {
+                let (now, out) = (&now[these.clone()], &mut out[these.clone()]);
+                by.take::<FUSED>(now, out, found, first + these.start);
+            }
         }
         from = to;
     }
+}
+
+/// From the first to the last that has a bit, in whole numbers of [`FEWER`].
+#[inline(always)]
+fn some_of(lanes: &[u64; FEW]) -> Range<usize> {
+    let mut groups = 0_u32;
+    for group in 0..FEW / FEWER {
+        let mut any = [0; FEWER / 2];
+        for x in 0..FEWER / 2 {
+            any[x] = lanes[group * FEWER + x] | lanes[group * FEWER + FEWER / 2 + x];
+        }
+        groups |= u32::from(any_of(any) >> 63 != 0) << group;
+    }
+    let count = u32::BITS - groups.leading_zeros();
+    FEWER * groups.trailing_zeros() as usize..FEWER * count as usize
 }
 
 /// The bits of any of some.
