@@ -155,8 +155,14 @@ impl Course {
         self.curve.as_ref().map_or(potential, |curve| curve.enthalpy_of_potential(potential))
     }
 
-    /// T (K) and k (W/(m K)) at a potential (K), and at the enthalpy `melting` (K) of what melts at one temperature, NaN of
-    /// anything else: with the liquid k goes from one phase's to the other's.
+    /// The enthalpy (K) at which [`Self::states`] has the conductivity of a solid: that where melting begins.
+    #[inline]
+    pub(super) fn unmelted(&self) -> f64 {
+        if self.rise == 0.0 { 0.0 } else { self.begins }
+    }
+
+    /// T (K) and k (W/(m K)) at a potential (K), and at the enthalpy `melting` (K) of what melts at one temperature,
+    /// [`Self::unmelted`] of anything else: with the liquid k goes from one phase's to the other's.
     #[inline(always)]
     fn state<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         if let Some(mushy) = self.mushy.as_ref().filter(|mushy| mushy.has(potential)) {
@@ -169,34 +175,36 @@ impl Course {
     #[inline(always)]
     fn state_of_phases<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         let [solid, liquid] = &self.phases;
-        let is_liquid = potential > self.melts;
+        let is_liquid = (self.melts - potential).is_sign_negative();
         let of = |get: fn(&Phase) -> f64| choose(is_liquid, get(liquid), get(solid));
         let above = potential - of(|phase| phase.potential);
         let temperature =
             multiply_add::<FUSED>(of(|phase| phase.warming), above, of(|phase| phase.temperature));
         let of_melting =
-            multiply_add::<FUSED>(self.rise, melting - self.begins, solid.conductivity);
-        [temperature, choose(melting.is_nan(), of(|phase| phase.conductivity), of_melting)]
+            multiply_add::<FUSED>(self.rise, melting - self.unmelted(), solid.conductivity);
+        [temperature, choose(is_liquid, liquid.conductivity, of_melting)]
     }
 
-    /// [`Self::state`] of several.
+    /// [`Self::state`] of several: T and k of all.
     #[inline(always)]
     pub(super) fn states<const COUNT: usize, const FUSED: bool>(
         &self,
         potentials: &[f64; COUNT],
         melting: &[f64; COUNT],
-    ) -> [[f64; 2]; COUNT] {
-        let mut states = [[0.0; 2]; COUNT];
+    ) -> [[f64; COUNT]; 2] {
+        let [mut temperatures, mut conductivities] = [[0.0; COUNT]; 2];
         if self.mushy.is_none() {
             for x in 0..COUNT {
-                states[x] = self.state_of_phases::<FUSED>(potentials[x], melting[x]);
+                [temperatures[x], conductivities[x]] =
+                    self.state_of_phases::<FUSED>(potentials[x], melting[x]);
             }
         } else {
             for x in 0..COUNT {
-                states[x] = self.state::<FUSED>(potentials[x], melting[x]);
+                [temperatures[x], conductivities[x]] =
+                    self.state::<FUSED>(potentials[x], melting[x]);
             }
         }
-        states
+        [temperatures, conductivities]
     }
 }
 
@@ -249,7 +257,7 @@ pub(super) mod tests {
                     assert!((course.enthalpy(potential) - enthalpy).abs() < 1e-9, "{enthalpy}");
                 }
                 let is_latent = melts && course.melts_at(enthalpy);
-                let melting = if is_latent { enthalpy } else { f64::NAN };
+                let melting = if is_latent { enthalpy } else { course.unmelted() };
                 let [temperature, conductivity] = course.state::<false>(potential, melting);
                 let own = [temperature, potential, conductivity];
                 for (own, expected) in own.iter().zip(curve.state(enthalpy)) {
@@ -279,7 +287,7 @@ pub(super) mod tests {
         let course = Course::of(&solid()).expect("one");
         assert!(course.tells(1e9, 1e9) && !course.tells(f64::NAN, f64::NAN));
         assert_eq!([course.potential(450.0), course.enthalpy(450.0)], [450.0; 2]);
-        assert_eq!(course.state::<false>(450.0, f64::NAN), [450.0, 300.0]);
+        assert_eq!(course.state::<false>(450.0, course.unmelted()), [450.0, 300.0]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::course::Course;
 use super::latent::Latent;
 use super::written::Written;
-use crate::model::operator::{Local, Locals, LocalsMut, SeamGroup, Seams, take_below};
+use crate::model::operator::{Locals, LocalsMut, SeamGroup, Seams, take_below};
 use crate::model::wide::Work;
 
 /// The rows of seams among some places, in one of Euler's steps.
@@ -122,21 +122,19 @@ impl Work for Note<'_> {
             latent.seek(place as usize, &mut near);
         }
         for places in places.chunks(FEW) {
-            // What does not melt has no enthalpy here.
-            let (mut of_place, mut melting) = ([0.0; FEW], [f64::NAN; FEW]);
+            let (mut of_place, mut melting) = ([0.0; FEW], [course.unmelted(); FEW]);
             for (x, &place) in places.iter().enumerate() {
                 of_place[x] = potentials[place as usize - first];
-                melting[x] = latent.next(place as usize, &mut near).unwrap_or(f64::NAN);
+                if let Some(enthalpy) = latent.next(place as usize, &mut near) {
+                    melting[x] = enthalpy;
+                }
             }
-            let states = course.states::<FEW, FUSED>(&of_place, &melting);
+            let [temperatures, conductivities] = course.states::<FEW, FUSED>(&of_place, &melting);
             let mut terms = [0.0; FEW];
             for x in 0..FEW {
-                terms[x] = seams.term(states[x][1]);
+                terms[x] = seams.term(conductivities[x]);
             }
-            for x in 0..places.len() {
-                let [temperature, potential, term] = [states[x][0], of_place[x], terms[x]];
-                locals.set(row + x, Local { temperature, potential, term });
-            }
+            locals.set_some(row, places.len(), [&temperatures, &of_place, &terms]);
             row += places.len();
         }
     }
