@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::CHUNK;
 use super::curves::Curves;
 use super::fronts::FrontFlows;
-use super::latent::{CurveAndLines, Latent};
+use super::latent::{CurveAndLines, Latent, LatentEnthalpies};
 use super::operator::CpuOperator;
 use super::seam_step::Note;
 use super::vector::Capacities;
@@ -35,6 +35,8 @@ pub(super) struct Enthalpy {
 pub(super) struct Begun {
     /// Those that melt at one temperature.
     pub(super) latent: Latent,
+    /// One enthalpy for each of these, which a step writes.
+    pub(super) next_enthalpies: Vec<f64>,
     /// What the particles of seams are like, by their rows, and what they are like after a step.
     pub(super) at_seams: [Locals; 2],
 }
@@ -84,9 +86,10 @@ impl Enthalpy {
         let mut rest = before.all_mut();
         for SeamGroup { material, rows } in scene.seams.iter().flat_map(Seams::groups) {
             let locals = rest.take(rows.len());
-            scene.note(*material, rows.clone(), [now, values], 0, &latent, locals);
+            scene.note(*material, rows.clone(), [now, values], 0, latent.all().of, locals);
         }
-        self.set_begun(Begun { latent, at_seams: [before, after] });
+        let next_enthalpies = vec![0.0; latent.places().len()];
+        self.set_begun(Begun { latent, next_enthalpies, at_seams: [before, after] });
     }
 
     fn find_latent(&self, now: &[f64], operator: &dyn CpuOperator) -> Latent {
@@ -108,9 +111,8 @@ impl Enthalpy {
             }
             latent
         };
-        let (parts, mut all): (Vec<Latent>, _) = (parts.map(latent).collect(), Latent::default());
-        all.replace_by(parts.iter());
-        all
+        let parts: Vec<Latent> = parts.map(latent).collect();
+        Latent::of_parts(&parts.iter().map(Latent::all).collect::<Vec<_>>())
     }
 
     /// Finds all enthalpies after Euler's steps, where potentials are `now` by the order of `operator`.
@@ -272,7 +274,7 @@ impl HeatScene {
         rows: Range<usize>,
         [potentials, enthalpies]: [&[f64]; 2],
         first: usize,
-        latent: &Latent,
+        latent: LatentEnthalpies<'_>,
         mut locals: LocalsMut<'_>,
     ) {
         let Some(seams) = &self.seams else {
@@ -296,6 +298,7 @@ impl HeatScene {
 impl Begun {
     fn memory_bytes(&self) -> usize {
         let at_seams = self.at_seams.iter().map(Locals::memory_bytes);
-        self.latent.memory_bytes() + at_seams.sum::<usize>()
+        let latent = self.latent.memory_bytes() + size_of_val(&*self.next_enthalpies);
+        latent + at_seams.sum::<usize>()
     }
 }

@@ -1,6 +1,8 @@
 //! Particles that melt at one temperature: their potential does not tell their enthalpy.
 
-use crate::model::operator::seek;
+use std::ops::Range;
+
+use crate::model::operator::{seek, within};
 
 /// What one has of what differs among the places of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,18 +33,42 @@ impl Latent {
         }
     }
 
-    /// Puts parts together that follow each other, in place of those that are there.
-    pub(super) fn replace_by<'a>(&mut self, parts: impl Iterator<Item = &'a Self> + Clone) {
-        self.truncate(0);
-        let count = parts.clone().map(|part| part.places.len()).sum();
-        self.places.reserve_exact(count);
-        self.enthalpies.reserve_exact(count);
-        self.kinds.reserve_exact(parts.clone().map(|part| part.kinds.len()).sum());
-        for part in parts {
-            self.places.extend_from_slice(&part.places);
-            self.enthalpies.extend_from_slice(&part.enthalpies);
-            self.kinds.extend_from_slice(&part.kinds);
+    /// Puts parts together that follow each other.
+    pub(super) fn of_parts(parts: &[LatentPart<'_>]) -> Self {
+        let count = parts.iter().map(|part| part.of.places.len()).sum();
+        let mut all = Self::with_room(count, parts.iter().any(|part| !part.kinds.is_empty()));
+        for LatentPart { of, kinds } in parts {
+            all.places.extend_from_slice(of.places);
+            all.enthalpies.extend_from_slice(of.enthalpies);
+            all.kinds.extend_from_slice(kinds);
         }
+        all
+    }
+
+    /// All of them.
+    pub(super) fn all(&self) -> LatentPart<'_> {
+        self.part(0..self.places.len(), &self.enthalpies)
+    }
+
+    /// Some of them with other enthalpies (K).
+    fn part<'a>(&'a self, which: Range<usize>, enthalpies: &'a [f64]) -> LatentPart<'a> {
+        let kinds = if self.kinds.is_empty() { &[] } else { &self.kinds[which.clone()] };
+        LatentPart { of: LatentEnthalpies { places: &self.places[which], enthalpies }, kinds }
+    }
+
+    /// Takes a step: those of all `parts` of the places, which follow each other, where `enthalpies` (K) are of those that
+    /// are the same. What is not needed any more becomes of these what the next step writes.
+    pub(super) fn go_on(&mut self, enthalpies: &mut Vec<f64>, parts: &[PartAfter]) {
+        if parts.iter().all(|part| part.others.is_none()) {
+            std::mem::swap(&mut self.enthalpies, enthalpies);
+            return;
+        }
+        let parts = parts.iter().map(|PartAfter { before, others }| match others {
+            Some(others) => others.all(),
+            None => self.part(before.clone(), &enthalpies[before.clone()]),
+        });
+        *self = Self::of_parts(&parts.collect::<Vec<_>>());
+        enthalpies.resize(self.places.len(), 0.0);
     }
 
     fn truncate(&mut self, count: usize) {
@@ -86,22 +112,6 @@ impl Latent {
         self.kinds.get(which).copied()
     }
 
-    /// Looks from `near` on for how many are before a place.
-    pub(super) fn seek(&self, place: usize, near: &mut usize) {
-        *near = seek(&self.places, *near, |&other| (other as usize) < place);
-    }
-
-    /// The enthalpy of what is in a place, if it is one of them, where `near` are before one that is not behind it: they
-    /// become those before it.
-    #[inline(always)]
-    pub(super) fn next(&self, place: usize, near: &mut usize) -> Option<f64> {
-        while self.places.get(*near).is_some_and(|&other| (other as usize) < place) {
-            *near += 1;
-        }
-        let is_there = self.places.get(*near).is_some_and(|&other| other as usize == place);
-        is_there.then(|| self.enthalpies[*near])
-    }
-
     /// Place, enthalpy (K) and kind of one.
     #[inline]
     pub(super) fn one(&self, which: usize) -> (usize, f64, Option<CurveAndLines>) {
@@ -112,6 +122,125 @@ impl Latent {
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&*self.places) + size_of_val(&*self.enthalpies) + size_of_val(&*self.kinds)
     }
+}
+
+/// Some of those of a scene that follow each other.
+#[derive(Clone, Copy)]
+pub(super) struct LatentPart<'a> {
+    pub(super) of: LatentEnthalpies<'a>,
+    kinds: &'a [CurveAndLines],
+}
+
+/// Places of some, ascending, and their enthalpies, K.
+#[derive(Clone, Copy)]
+pub(super) struct LatentEnthalpies<'a> {
+    places: &'a [u32],
+    enthalpies: &'a [f64],
+}
+
+impl LatentEnthalpies<'_> {
+    /// Looks from `near` on for how many are before a place.
+    pub(super) fn seek(self, place: usize, near: &mut usize) {
+        *near = seek(self.places, *near, |&other| (other as usize) < place);
+    }
+
+    /// The enthalpy of what is in a place, if it is one of them, where `near` are before one that is not behind it: they
+    /// become those before it.
+    #[inline(always)]
+    pub(super) fn next(self, place: usize, near: &mut usize) -> Option<f64> {
+        while self.places.get(*near).is_some_and(|&other| (other as usize) < place) {
+            *near += 1;
+        }
+        let is_there = self.places.get(*near).is_some_and(|&other| other as usize == place);
+        is_there.then(|| self.enthalpies[*near])
+    }
+}
+
+/// Which particles of some places are latent after a step: as a rule those that were before it, which keep their place
+/// among all.
+pub(super) struct NextLatent<'a> {
+    before: &'a Latent,
+    /// Which of those before were in these places.
+    which: Range<usize>,
+    /// The enthalpies (K) of as many of them as are known to be the same.
+    enthalpies: &'a mut [f64],
+    same: usize,
+    /// All from the first place on, if others are among them.
+    others: Option<Latent>,
+}
+
+impl<'a> NextLatent<'a> {
+    /// Takes those of the next `places` out of what all are `before` a step and what is to be written of them.
+    pub(super) fn take(
+        before: &'a Latent,
+        enthalpies: &mut &'a mut [f64],
+        places: &Range<usize>,
+    ) -> Self {
+        let which = within(&before.places, places);
+        let enthalpies = enthalpies.split_off_mut(..which.len()).expect("one of each");
+        Self { before, which, enthalpies, same: 0, others: None }
+    }
+
+    /// How many there are so far.
+    pub(super) fn len(&self) -> usize {
+        self.others.as_ref().map_or(self.same, |others| others.places.len())
+    }
+
+    /// As [`Latent::push`].
+    #[inline]
+    pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<CurveAndLines>) {
+        let Self { before, which, enthalpies, same, others } = self;
+        let expected = before.places[which.clone()].get(*same);
+        if others.is_none() && expected.is_some_and(|&expected| expected as usize == place) {
+            enthalpies[*same] = enthalpy;
+            *same += 1;
+            return;
+        }
+        self.others().push(place, enthalpy, kind);
+    }
+
+    /// As [`Latent::sort`].
+    pub(super) fn sort(&mut self, from: usize) {
+        self.others().sort(from);
+    }
+
+    /// All so far, apart from those before.
+    #[cold]
+    fn others(&mut self) -> &mut Latent {
+        let Self { before, which, enthalpies, same, others } = self;
+        others.get_or_insert_with(|| {
+            let part = before.part(which.start..which.start + *same, &enthalpies[..*same]);
+            Latent::of_parts(&[part])
+        })
+    }
+
+    /// Those so far.
+    pub(super) fn known(&self) -> LatentEnthalpies<'_> {
+        match &self.others {
+            Some(others) => others.all().of,
+            None => {
+                let which = self.which.start..self.which.start + self.same;
+                self.before.part(which, &self.enthalpies[..self.same]).of
+            }
+        }
+    }
+
+    /// All that there are after the step.
+    pub(super) fn finish(mut self) -> PartAfter {
+        if self.same < self.which.len() {
+            self.others();
+        }
+        debug_assert!(self.known().places.is_sorted(), "looked up by place");
+        PartAfter { before: self.which, others: self.others }
+    }
+}
+
+/// What is latent of some places after a step.
+pub(super) struct PartAfter {
+    /// Which of those before the step were in these places.
+    before: Range<usize>,
+    /// All that there are, unless they are the same.
+    others: Option<Latent>,
 }
 
 #[cfg(test)]
@@ -133,14 +262,63 @@ mod tests {
             latent.sort(1);
             assert_eq!(latent.places(), [9, 3, 4, 6, 8]);
             assert_eq!(latent.enthalpies(), [90.0, 30.0, 40.0, 60.0, 80.0]);
-            let mut twice = Latent::default();
-            twice.push(2, 1.0, kind(2));
-            twice.replace_by([latent.clone(), latent].iter());
+            let twice = Latent::of_parts(&[latent.all(), latent.all()]);
             for which in 0..10 {
                 let place = [9, 3, 4, 6, 8][which % 5];
                 assert_eq!(twice.one(which), (place, enthalpy(place), kind(place)));
             }
             assert_eq!(twice.memory_bytes(), 10 * if has_kinds { 16 } else { 12 });
+        }
+    }
+
+    #[test]
+    fn a_step_keeps_those_that_are_the_same_and_takes_others_in() {
+        let kind = |place: usize| Some(CurveAndLines { curve: place as u16, lines: 0 });
+        let mut before = Latent::default();
+        for place in [2, 5, 11, 14, 25] {
+            before.push(place, 1.0, kind(place));
+        }
+        // By parts of ten places: which are latent after a step, in the order in which they are found.
+        let steps: [[&[usize]; 3]; 6] = [
+            [&[2, 5], &[11, 14], &[25]],
+            [&[2], &[11, 14], &[25]],
+            [&[5], &[11, 14], &[25, 27]],
+            [&[2, 5, 3], &[], &[25]],
+            [&[2, 5], &[14], &[]],
+            [&[7], &[11, 14, 12, 17], &[25]],
+        ];
+        for (which, step) in steps.into_iter().enumerate() {
+            let (mut after, mut enthalpies) = (before.clone(), vec![0.0; 5]);
+            let mut rest = &mut enthalpies[..];
+            let parts: Vec<PartAfter> = (0..)
+                .zip(step)
+                .map(|(part, places)| {
+                    let all = 10 * part..10 * (part + 1);
+                    let mut next = NextLatent::take(&before, &mut rest, &all);
+                    for (count, &place) in places.iter().enumerate() {
+                        assert_eq!(next.len(), count);
+                        next.push(place, place as f64, kind(place));
+                    }
+                    if !places.is_sorted() {
+                        next.sort(0);
+                    }
+                    let (known, mut near) = (next.known(), 0);
+                    for place in all {
+                        let expected = places.contains(&place).then_some(place as f64);
+                        assert_eq!(known.next(place, &mut near), expected);
+                    }
+                    next.finish()
+                })
+                .collect();
+            let are_the_same = parts.iter().all(|part| part.others.is_none());
+            assert_eq!(are_the_same, which == 0);
+            after.go_on(&mut enthalpies, &parts);
+            let mut expected: Vec<usize> = step.into_iter().flatten().copied().collect();
+            expected.sort_unstable();
+            let found: Vec<_> = (0..after.places().len()).map(|which| after.one(which)).collect();
+            let expected = expected.iter().map(|&place| (place, place as f64, kind(place)));
+            assert_eq!(found, expected.collect::<Vec<_>>());
+            assert_eq!(enthalpies.len(), found.len(), "one for each of the next step");
         }
     }
 }

@@ -12,7 +12,7 @@ use super::course::{Course, CourseStep};
 use super::crossings::{Crossings, FEW};
 use super::enthalpy::{Begun, Enthalpy, HeatScene};
 use super::fronts::{Add, Queue};
-use super::latent::Latent;
+use super::latent::{Latent, NextLatent, PartAfter};
 use super::operator::{Combine, CpuOperator, RATE};
 use super::seam_step::SeamStep;
 use super::written::Written;
@@ -39,7 +39,7 @@ pub(super) struct PartialStep<'a, O: ?Sized> {
     has_fronts: bool,
     /// Which of those that were latent before are among the places that are left, where steps go by potentials.
     melting: Range<usize>,
-    latent: Latent,
+    latent: NextLatent<'a>,
     /// What held particles gave, value x capacity / s, by [`WholeStep::part`] of the places.
     given: Vec<f64>,
     /// Of [`Self::go_on`] alone: places whose potentials are to be found from their enthalpies, with these, and those
@@ -109,12 +109,13 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         step: impl Fn(&mut S, &mut PartialStep<'_, O>, &mut [f64]) + Send + Sync,
     ) -> f64 {
         let (scene, begun, enthalpies) = enthalpy.parts();
-        let Begun { latent: before, at_seams: [locals, mut after] } = begun;
+        let Begun { latent: before, mut next_enthalpies, at_seams: [locals, mut after] } = begun;
         let count = out.len();
         let mut first = 0;
         let mut seams =
             scene.seams.as_ref().map(|seams| SeamStep::of_all(seams, &locals, &mut after));
         let [mut rest, mut rest_of_enthalpies] = [out, enthalpies];
+        let mut rest_of_latent = &mut next_enthalpies[..];
         let mut tasks = Vec::with_capacity(count.div_ceil(parts * self.part));
         while first < count {
             let places = first..self.end_of_task(parts, first, count, &before);
@@ -123,13 +124,15 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
             (out, rest) = rest.split_at_mut(places.len());
             (enthalpies, rest_of_enthalpies) = rest_of_enthalpies.split_at_mut(places.len());
             let seams = seams.as_mut().map(|seams| seams.take(places.end));
-            tasks.push((PartialStep::new(self, scene, &before, places, enthalpies, seams), out));
+            let latent = NextLatent::take(&before, &mut rest_of_latent, &places);
+            let task = PartialStep::new(self, scene, &before, latent, places, enthalpies, seams);
+            tasks.push((task, out));
         }
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
             step(scratch, &mut task, out);
             (task.places.start, task.finish())
         };
-        let mut done: Vec<(usize, (Vec<f64>, Latent))> = if count < SERIAL {
+        let mut done: Vec<(usize, (Vec<f64>, PartAfter))> = if count < SERIAL {
             let mut scratch = scratch();
             tasks.into_iter().map(|task| work(&mut scratch, task)).collect()
         } else {
@@ -138,10 +141,12 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
         };
         // In order of places again, so that sums do not depend on how tasks were dealt out.
         done.sort_unstable_by_key(|&(first, ..)| first);
+        let (given, parts): (Vec<Vec<f64>>, Vec<PartAfter>) =
+            done.into_iter().map(|(_, of_task)| of_task).unzip();
         let mut latent = before;
-        latent.replace_by(done.iter().map(|(_, (_, latent))| latent));
-        enthalpy.set_begun(Begun { latent, at_seams: [after, locals] });
-        done.iter().flat_map(|(_, (given, _))| given).sum()
+        latent.go_on(&mut next_enthalpies, &parts);
+        enthalpy.set_begun(Begun { latent, next_enthalpies, at_seams: [after, locals] });
+        given.iter().flatten().sum()
     }
 
     /// Where the task that begins at `first` of `count` places ends: after about so many parts, where least is within reach
@@ -178,6 +183,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         all: &'a WholeStep<'a, O>,
         scene: &'a HeatScene,
         before: &'a Latent,
+        latent: NextLatent<'a>,
         places: Range<usize>,
         enthalpies: &'a mut [f64],
         seams: Option<SeamStep<'a>>,
@@ -188,8 +194,6 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         let melting = within(before.places(), &places);
         let given = places.len().div_ceil(all.part);
-        // About as many as before.
-        let count = melting.len() + melting.len() / 4;
         Self {
             all,
             scene,
@@ -201,7 +205,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             fronts,
             has_fronts: false,
             melting,
-            latent: Latent::with_room(count, scene.has_kinds()),
+            latent,
             given: vec![0.0; given],
             changed: Vec::new(),
             crossings: Vec::new(),
@@ -302,7 +306,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             self;
         let WholeStep { operator, now, dt, ref steps, .. } = **all;
         let (curves, places) = (&scene.curves, first..first + out.len());
-        let from = latent.places().len();
+        let from = latent.len();
         for melting in take_below(before.places(), melting, places.end) {
             let (place, enthalpy, kind) = before.one(melting);
             let curve = usize::from(kind.unwrap_or_default().curve);
@@ -326,7 +330,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let [rate, _] = steps[curve].phases.rate_and_rest(now, out[place - first]);
             (place, courses[curve].enthalpy(now) + dt * rate)
         }));
-        let sorted = latent.places().len();
+        let sorted = latent.len();
         for (place, enthalpy) in changed.drain(..) {
             let course = &courses[curves.which(place)];
             let potential = course.potential(enthalpy);
@@ -335,7 +339,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 latent.push(place, enthalpy, scene.kind(place));
             }
         }
-        if latent.places().len() > sorted {
+        if latent.len() > sorted {
             latent.sort(from);
         }
     }
@@ -370,15 +374,14 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
         };
         let enthalpies = &enthalpies[first - places.start..];
         step.note(first + out.len(), |material, rows, locals| {
-            scene.note(material, rows, [out, enthalpies], first, latent, locals);
+            scene.note(material, rows, [out, enthalpies], first, latent.known(), locals);
         });
     }
 
     /// What held particles among the places gave, value x capacity / s by part, and what is latent after the step.
-    fn finish(self) -> (Vec<f64>, Latent) {
+    fn finish(self) -> (Vec<f64>, PartAfter) {
         debug_assert_eq!(self.done, self.places.len(), "all taken on");
-        debug_assert!(self.latent.places().is_sorted(), "looked up by place");
-        (self.given, self.latent)
+        (self.given, self.latent.finish())
     }
 }
 

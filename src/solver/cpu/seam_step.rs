@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::course::Course;
-use super::latent::Latent;
+use super::latent::LatentEnthalpies;
 use super::written::Written;
 use crate::model::operator::{Locals, LocalsMut, SeamGroup, Seams, take_below};
 use crate::model::wide::Work;
@@ -107,7 +107,7 @@ pub(super) struct Note<'a> {
     /// Potentials of places from `first` on, K.
     pub(super) potentials: &'a [f64],
     pub(super) first: usize,
-    pub(super) latent: &'a Latent,
+    pub(super) latent: LatentEnthalpies<'a>,
     pub(super) locals: LocalsMut<'a>,
 }
 
