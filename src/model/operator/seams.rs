@@ -152,23 +152,13 @@ impl LocalsMut<'_> {
         self.terms[row] = term;
     }
 
-    /// The same of the first `count` of a few from the row `first` on: temperatures and potentials (K), and terms.
+    /// The same of a few from the row `first` on: temperatures and potentials (K), and terms.
     #[inline(always)]
-    pub fn set_some<const FEW: usize>(
-        &mut self,
-        first: usize,
-        count: usize,
-        [temperatures, potentials, terms]: [&[f64; FEW]; 3],
-    ) {
-        let set = |all: &mut [f64], few: &[f64; FEW]| match <&mut [f64; FEW]>::try_from(
-            &mut all[first..][..count],
-        ) {
-            Ok(all) => *all = *few,
-            Err(_) => all[first..][..count].copy_from_slice(&few[..count]),
-        };
-        set(self.temperatures, temperatures);
-        set(self.potentials, potentials);
-        set(self.terms, terms);
+    pub fn set_some<const FEW: usize>(&mut self, first: usize, few: [&[f64; FEW]; 3]) {
+        let [temperatures, potentials, terms] = few;
+        self.temperatures[first..][..FEW].copy_from_slice(temperatures);
+        self.potentials[first..][..FEW].copy_from_slice(potentials);
+        self.terms[first..][..FEW].copy_from_slice(terms);
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::course::Course;
 use super::latent::LatentEnthalpies;
 use super::written::Written;
-use crate::model::operator::{Locals, LocalsMut, SeamGroup, Seams, take_below};
+use crate::model::operator::{Local, Locals, LocalsMut, SeamGroup, Seams, take_below};
 use crate::model::wide::Work;
 
 /// The rows of seams among some places, in one of Euler's steps.
@@ -115,27 +115,43 @@ impl Work for Note<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let Self { seams, course, places, potentials, first, latent, mut locals } = self;
+    fn run<const FUSED: bool>(mut self) {
         let (mut row, mut near) = (0, 0);
-        if let Some(&place) = places.first() {
-            latent.seek(place as usize, &mut near);
+        if let Some(&place) = self.places.first() {
+            self.latent.seek(place as usize, &mut near);
         }
-        for places in places.chunks(FEW) {
-            let (mut of_place, mut melting) = ([0.0; FEW], [course.unmelted(); FEW]);
-            for (x, &place) in places.iter().enumerate() {
-                of_place[x] = potentials[place as usize - first];
-                if let Some(enthalpy) = latent.next(place as usize, &mut near) {
-                    melting[x] = enthalpy;
-                }
-            }
-            let [temperatures, conductivities] = course.states::<FEW, FUSED>(&of_place, &melting);
-            let mut terms = [0.0; FEW];
-            for x in 0..FEW {
-                terms[x] = seams.term(conductivities[x]);
-            }
-            locals.set_some(row, places.len(), [&temperatures, &of_place, &terms]);
-            row += places.len();
+        let (many, rest) = self.places.as_chunks::<FEW>();
+        for places in many {
+            let found = self.few::<FUSED>(places, &mut near);
+            self.locals.set_some(row, found.each_ref());
+            row += FEW;
         }
+        let [temperatures, potentials, terms] = self.few::<FUSED>(rest, &mut near);
+        for x in 0..rest.len() {
+            let [temperature, potential, term] = [temperatures[x], potentials[x], terms[x]];
+            self.locals.set(row + x, Local { temperature, potential, term });
+        }
+    }
+}
+
+impl Note<'_> {
+    /// Temperatures and potentials (K) and terms of a few in ascending places, before the first of which there are `near`
+    /// latent ones: this becomes how many there are before the last.
+    #[inline(always)]
+    fn few<const FUSED: bool>(&self, places: &[u32], near: &mut usize) -> [[f64; FEW]; 3] {
+        let (mut potentials, mut melting) = ([0.0; FEW], [self.course.unmelted(); FEW]);
+        for (x, &place) in places.iter().enumerate() {
+            potentials[x] = self.potentials[place as usize - self.first];
+            if let Some(enthalpy) = self.latent.next(place as usize, near) {
+                melting[x] = enthalpy;
+            }
+        }
+        let [temperatures, conductivities] =
+            self.course.states::<FEW, FUSED>(&potentials, &melting);
+        let mut terms = [0.0; FEW];
+        for x in 0..FEW {
+            terms[x] = self.seams.term(conductivities[x]);
+        }
+        [temperatures, potentials, terms]
     }
 }
