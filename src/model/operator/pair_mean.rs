@@ -30,6 +30,7 @@ impl PairMean {
     }
 
     /// What [`Self::of_terms`] needs of one diffusivity: where it is in many pairs, it is divided by once.
+    #[inline(always)]
     pub fn term(self, diffusivity: f64) -> f64 {
         match self {
             Self::Harmonic => 1.0 / diffusivity,

@@ -126,6 +126,14 @@ impl Locals {
         LocalsMut { temperatures, potentials, terms }
     }
 
+    /// That of one row.
+    #[cfg(test)]
+    pub fn at(&self, row: usize) -> Local {
+        let [temperature, potential, term] =
+            [&self.temperatures, &self.potentials, &self.terms].map(|of| of[row]);
+        Local { temperature, potential, term }
+    }
+
     /// Bytes that they hold.
     pub fn memory_bytes(&self) -> usize {
         [&self.temperatures, &self.potentials, &self.terms]
@@ -152,13 +160,13 @@ impl LocalsMut<'_> {
         self.terms[row] = term;
     }
 
-    /// The same of a few from the row `first` on: temperatures and potentials (K), and terms.
+    /// The same of some that follow each other: temperatures and potentials (K), and terms.
     #[inline(always)]
-    pub fn set_some<const FEW: usize>(&mut self, first: usize, few: [&[f64; FEW]; 3]) {
-        let [temperatures, potentials, terms] = few;
-        self.temperatures[first..][..FEW].copy_from_slice(temperatures);
-        self.potentials[first..][..FEW].copy_from_slice(potentials);
-        self.terms[first..][..FEW].copy_from_slice(terms);
+    pub fn set_some<const COUNT: usize>(&mut self, first: usize, some: &[[f64; COUNT]; 3]) {
+        let [temperatures, potentials, terms] = some;
+        self.temperatures[first..][..COUNT].copy_from_slice(temperatures);
+        self.potentials[first..][..COUNT].copy_from_slice(potentials);
+        self.terms[first..][..COUNT].copy_from_slice(terms);
     }
 }
 

@@ -155,8 +155,9 @@ impl Course {
         self.curve.as_ref().map_or(potential, |curve| curve.enthalpy_of_potential(potential))
     }
 
-    /// The enthalpy (K) at which [`Self::states`] has the conductivity of a solid: that where melting begins.
-    #[inline]
+    /// An enthalpy (K) at which [`Self::states`] has the conductivity of a solid: that where melting begins, unless it
+    /// does not matter, as it may be infinite then.
+    #[inline(always)]
     pub(super) fn unmelted(&self) -> f64 {
         if self.rise == 0.0 { 0.0 } else { self.begins }
     }
@@ -175,6 +176,7 @@ impl Course {
     #[inline(always)]
     fn state_of_phases<const FUSED: bool>(&self, potential: f64, melting: f64) -> [f64; 2] {
         let [solid, liquid] = &self.phases;
+        // As in the step: a sign, which several at once are chosen by.
         let is_liquid = (self.melts - potential).is_sign_negative();
         let of = |get: fn(&Phase) -> f64| choose(is_liquid, get(liquid), get(solid));
         let above = potential - of(|phase| phase.potential);

@@ -8,8 +8,10 @@ use crate::model::wide::Work;
 
 /// Values that are looked at together.
 pub(super) const FEW: usize = 32;
-/// The same in runs that are shorter.
+/// The same in runs that are shorter, and of how many those that need something are taken on together.
 const FEWER: usize = 8;
+
+const _: () = assert!(FEW.is_multiple_of(FEWER) && FEWER.is_multiple_of(2));
 
 /// Finds what passes to another phase in a step, which it takes on where a phase has no single slope.
 pub(super) struct Crossings<'a, R> {
@@ -101,6 +103,7 @@ fn look<const FUSED: bool>(
 fn some_of(lanes: &[u64; FEW]) -> Range<usize> {
     let mut groups = 0_u32;
     for group in 0..FEW / FEWER {
+        // In vectors of four, which processors put together faster than one by one.
         let mut any = [0; FEWER / 2];
         for x in 0..FEWER / 2 {
             any[x] = lanes[group * FEWER + x] | lanes[group * FEWER + FEWER / 2 + x];
@@ -257,6 +260,18 @@ mod tests {
                     rates[place] = 1e-9;
                     assert_eq!(after(&course, &now, rates, 0.5).1, [place], "of {length}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn all_that_pass_among_a_few_are_found() {
+        for course in courses() {
+            for (one, other) in (0..77).flat_map(|one| (0..one).map(move |other| (one, other))) {
+                let begins = course.potential(400.0);
+                let (now, mut rates) = (vec![begins; 77], vec![-1.0; 77]);
+                [rates[one], rates[other]] = [1e-9; 2];
+                assert_eq!(after(&course, &now, rates, 0.5).1, [other, one]);
             }
         }
     }

@@ -86,7 +86,7 @@ impl Enthalpy {
         let mut rest = before.all_mut();
         for SeamGroup { material, rows } in scene.seams.iter().flat_map(Seams::groups) {
             let locals = rest.take(rows.len());
-            scene.note(*material, rows.clone(), [now, values], 0, latent.all().of, locals);
+            scene.note(*material, rows.clone(), [now, values], 0, latent.known(), locals);
         }
         let next_enthalpies = vec![0.0; latent.places().len()];
         self.set_begun(Begun { latent, next_enthalpies, at_seams: [before, after] });
@@ -253,7 +253,7 @@ impl Enthalpy {
 
 impl HeatScene {
     /// Whether not all places are of one kind.
-    pub(super) fn has_kinds(&self) -> bool {
+    fn has_kinds(&self) -> bool {
         let has_lines = self.fronts.as_ref().is_some_and(FrontFlows::has_lines);
         has_lines || self.curves.materials().is_some()
     }

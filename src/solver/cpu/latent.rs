@@ -25,7 +25,7 @@ pub(super) struct Latent {
 
 impl Latent {
     /// None, with room for so many, which are of one kind or not.
-    pub(super) fn with_room(count: usize, has_kinds: bool) -> Self {
+    fn with_room(count: usize, has_kinds: bool) -> Self {
         Self {
             places: Vec::with_capacity(count),
             enthalpies: Vec::with_capacity(count),
@@ -45,6 +45,11 @@ impl Latent {
         all
     }
 
+    /// Their places and enthalpies.
+    pub(super) fn known(&self) -> LatentEnthalpies<'_> {
+        self.all().of
+    }
+
     /// All of them.
     pub(super) fn all(&self) -> LatentPart<'_> {
         self.part(0..self.places.len(), &self.enthalpies)
@@ -57,7 +62,7 @@ impl Latent {
     }
 
     /// Takes a step: those of all `parts` of the places, which follow each other, where `enthalpies` (K) are of those that
-    /// are the same. What is not needed any more becomes of these what the next step writes.
+    /// are the same. There is room in these then for what the next step writes.
     pub(super) fn go_on(&mut self, enthalpies: &mut Vec<f64>, parts: &[PartAfter]) {
         if parts.iter().all(|part| part.others.is_none()) {
             std::mem::swap(&mut self.enthalpies, enthalpies);
@@ -127,7 +132,7 @@ impl Latent {
 /// Some of those of a scene that follow each other.
 #[derive(Clone, Copy)]
 pub(super) struct LatentPart<'a> {
-    pub(super) of: LatentEnthalpies<'a>,
+    of: LatentEnthalpies<'a>,
     kinds: &'a [CurveAndLines],
 }
 
@@ -162,10 +167,10 @@ pub(super) struct NextLatent<'a> {
     before: &'a Latent,
     /// Which of those before were in these places.
     which: Range<usize>,
-    /// The enthalpies (K) of as many of them as are known to be the same.
+    /// What they have after the step, K, which is written of as many as are known to be the same.
     enthalpies: &'a mut [f64],
     same: usize,
-    /// All from the first place on, if others are among them.
+    /// All from the first place on, once others are among them.
     others: Option<Latent>,
 }
 
@@ -181,6 +186,11 @@ impl<'a> NextLatent<'a> {
         Self { before, which, enthalpies, same: 0, others: None }
     }
 
+    /// Which of those before were in these places.
+    pub(super) fn before(&self) -> Range<usize> {
+        self.which.clone()
+    }
+
     /// How many there are so far.
     pub(super) fn len(&self) -> usize {
         self.others.as_ref().map_or(self.same, |others| others.places.len())
@@ -190,18 +200,24 @@ impl<'a> NextLatent<'a> {
     #[inline]
     pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<CurveAndLines>) {
         let Self { before, which, enthalpies, same, others } = self;
-        let expected = before.places[which.clone()].get(*same);
-        if others.is_none() && expected.is_some_and(|&expected| expected as usize == place) {
+        if let Some(others) = others {
+            return others.push(place, enthalpy, kind);
+        }
+        let next = which.start + *same;
+        if next < which.end && before.places[next] as usize == place {
             enthalpies[*same] = enthalpy;
             *same += 1;
-            return;
+        } else {
+            self.others().push(place, enthalpy, kind);
         }
-        self.others().push(place, enthalpy, kind);
     }
 
     /// As [`Latent::sort`].
     pub(super) fn sort(&mut self, from: usize) {
-        self.others().sort(from);
+        // Those that are the same are in order.
+        if let Some(others) = &mut self.others {
+            others.sort(from);
+        }
     }
 
     /// All so far, apart from those before.
@@ -217,7 +233,7 @@ impl<'a> NextLatent<'a> {
     /// Those so far.
     pub(super) fn known(&self) -> LatentEnthalpies<'_> {
         match &self.others {
-            Some(others) => others.all().of,
+            Some(others) => others.known(),
             None => {
                 let which = self.which.start..self.which.start + self.same;
                 self.before.part(which, &self.enthalpies[..self.same]).of
@@ -275,20 +291,20 @@ mod tests {
     fn a_step_keeps_those_that_are_the_same_and_takes_others_in() {
         let kind = |place: usize| Some(CurveAndLines { curve: place as u16, lines: 0 });
         let mut before = Latent::default();
-        for place in [2, 5, 11, 14, 25] {
+        for place in [2, 5, 11, 14, 17, 25] {
             before.push(place, 1.0, kind(place));
         }
         // By parts of ten places: which are latent after a step, in the order in which they are found.
         let steps: [[&[usize]; 3]; 6] = [
-            [&[2, 5], &[11, 14], &[25]],
-            [&[2], &[11, 14], &[25]],
-            [&[5], &[11, 14], &[25, 27]],
+            [&[2, 5], &[11, 14, 17], &[25]],
+            [&[2], &[11, 14, 17], &[25]],
+            [&[5], &[11, 17], &[25, 27]],
             [&[2, 5, 3], &[], &[25]],
             [&[2, 5], &[14], &[]],
-            [&[7], &[11, 14, 12, 17], &[25]],
+            [&[7], &[11, 14, 17, 12], &[25]],
         ];
         for (which, step) in steps.into_iter().enumerate() {
-            let (mut after, mut enthalpies) = (before.clone(), vec![0.0; 5]);
+            let (mut after, mut enthalpies) = (before.clone(), vec![0.0; 6]);
             let mut rest = &mut enthalpies[..];
             let parts: Vec<PartAfter> = (0..)
                 .zip(step)

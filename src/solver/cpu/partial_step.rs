@@ -128,6 +128,7 @@ impl<'a, O: CpuOperator + ?Sized> WholeStep<'a, O> {
             let task = PartialStep::new(self, scene, &before, latent, places, enthalpies, seams);
             tasks.push((task, out));
         }
+        debug_assert!(rest_of_latent.is_empty(), "tasks have all of them");
         let work = |scratch: &mut S, (mut task, out): (PartialStep<'_, O>, &mut [f64])| {
             step(scratch, &mut task, out);
             (task.places.start, task.finish())
@@ -192,7 +193,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             Some(_) => Queue::new(before, &places, all.operator.reach(), all.now.len()),
             None => Queue::default(),
         };
-        let melting = within(before.places(), &places);
+        let melting = latent.before();
         let given = places.len().div_ceil(all.part);
         Self {
             all,

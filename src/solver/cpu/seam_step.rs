@@ -123,8 +123,11 @@ impl Work for Note<'_> {
         let (many, rest) = self.places.as_chunks::<FEW>();
         for places in many {
             let found = self.few::<FUSED>(places, &mut near);
-            self.locals.set_some(row, found.each_ref());
+            self.locals.set_some(row, &found);
             row += FEW;
+        }
+        if rest.is_empty() {
+            return;
         }
         let [temperatures, potentials, terms] = self.few::<FUSED>(rest, &mut near);
         for x in 0..rest.len() {
@@ -153,5 +156,68 @@ impl Note<'_> {
             terms[x] = self.seams.term(conductivities[x]);
         }
         [temperatures, potentials, terms]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::course::tests::{melts, solid};
+    use super::super::latent::Latent;
+    use super::*;
+    use crate::model::{KernelKind, scenes, wide};
+
+    #[test]
+    fn many_and_a_rest_are_like_each_by_itself() {
+        let mut problem = scenes::lattice(KernelKind::CubicSpline, 2, [8, 23, 1], 0.1, 2.0);
+        // At one temperature, over a range and not at all, beside each other.
+        problem.materials = vec![melts(400.0, 200.0), melts(420.0, 900.0), solid()];
+        let count = problem.particles.len();
+        problem.particles.material = (0..count).map(|place| (place % 8 / 3) as u16).collect();
+        let places: Vec<u32> = (0..count as u32).collect();
+        let seams = Seams::of(&problem, &places, true).expect("materials meet");
+        // Solid, melting and liquid, in turn.
+        let enthalpy = |place: usize| 350.0 + ((place * 61) % 350) as f64;
+        for SeamGroup { material, rows } in seams.groups() {
+            let course = Course::of(&problem.materials[usize::from(*material)]).expect("one");
+            let (mut potentials, mut latent) = (vec![0.0; count], Latent::default());
+            for (place, potential) in potentials.iter_mut().enumerate() {
+                *potential = course.potential(enthalpy(place));
+                if !course.tells(enthalpy(place), *potential) {
+                    latent.push(place, enthalpy(place), None);
+                }
+            }
+            assert_eq!(latent.places().len() > 10, *material == 0);
+            for first in [0, 3] {
+                for length in 0..=rows.len() - first {
+                    let rows = rows.start + first..rows.start + first + length;
+                    let places = &seams.places()[rows.clone()];
+                    let mut locals = Locals::of(&seams);
+                    let mut rest = locals.all_mut();
+                    rest.take(rows.start);
+                    wide::run(Note {
+                        seams: &seams,
+                        course: &course,
+                        places,
+                        potentials: &potentials,
+                        first: 0,
+                        latent: latent.known(),
+                        locals: rest.take(length),
+                    });
+                    for (row, &place) in rows.clone().zip(places) {
+                        let expected = seams.local(row, enthalpy(place as usize));
+                        let found = locals.at(row);
+                        let pairs = [
+                            (found.temperature, expected.temperature),
+                            (found.potential, expected.potential),
+                            (found.term, expected.term),
+                        ];
+                        let are_close = pairs.iter().all(|(a, b)| (a - b).abs() < 1e-11 * b.abs());
+                        assert!(are_close, "{material}, {length}: {found:?}, not {expected:?}");
+                    }
+                    let behind = rows.end..seams.places().len();
+                    assert!(behind.into_iter().all(|row| locals.at(row).temperature == 0.0));
+                }
+            }
+        }
     }
 }
