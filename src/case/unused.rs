@@ -69,11 +69,12 @@ fn take_out(case: &mut Case, keeps_step: bool) -> Vec<Unused> {
     });
     let needs_exact =
         |field: &OutputField| matches!(field, OutputField::Exact | OutputField::Error);
-    if let Some(fields) = &mut case.output.fields {
-        if case.exact.is_none() && fields.iter().any(needs_exact) {
-            drop("output.fields".to_owned(), "exact and error need an exact solution");
-            fields.retain(|field| !needs_exact(field));
-        }
+    if let Some(fields) = &mut case.output.fields
+        && case.exact.is_none()
+        && fields.iter().any(needs_exact)
+    {
+        drop("output.fields".to_owned(), "exact and error need an exact solution");
+        fields.retain(|field| !needs_exact(field));
     }
     if case.probes.is_empty() && case.output.probe_every.take().is_some() {
         drop("output.probe_every".to_owned(), "there are no probes");

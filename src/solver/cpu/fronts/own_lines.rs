@@ -101,10 +101,12 @@ impl<B: Fn(usize, usize) -> Beside> Part<'_, B> {
             Entries::Lines(lines, factor) => Some((lines, factor)),
             Entries::Row(..) => None,
         };
-        if let (Some((lines, factor)), Some((known, of_known, which))) = (this, *whole) {
-            if std::ptr::eq(lines, known) && factor == of_known && all_are_alike() {
-                return which;
-            }
+        if let (Some((lines, factor)), Some((known, of_known, which))) = (this, *whole)
+            && std::ptr::eq(lines, known)
+            && factor == of_known
+            && all_are_alike()
+        {
+            return which;
         }
         // Entries mean nothing where there is no particle.
         if !operator.has_particle(place) {
