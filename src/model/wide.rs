@@ -56,6 +56,12 @@ pub fn choose(first: bool, one: f64, other: f64) -> f64 {
     f64::from_bits((mask & one.to_bits()) | (!mask & other.to_bits()))
 }
 
+/// Whether any of some numbers is negative, by their bits, which processors put together for several at once.
+#[inline(always)]
+pub fn any_signs<const COUNT: usize>(bits: [u64; COUNT]) -> bool {
+    bits.into_iter().fold(0, |any, bits| any | bits) >> 63 != 0
+}
+
 /// The sum of what was added up side by side: one after the other. If it were added in pairs, compilers would split the
 /// loop before it in halves too, and work on two values at once in place of four.
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use crate::model::HeatCurve;
 use crate::model::material::Segment;
-use crate::model::wide::{Work, choose, multiply_add};
+use crate::model::wide::{Work, any_signs, choose, multiply_add};
 
 /// Values that are worked on together: of one segment of their curve as a rule.
 const FEW: usize = 16;
@@ -45,10 +45,10 @@ impl<F: FnMut(usize, &[f64])> Work for Change<'_, F> {
             let (mut few, mut changes) = ([first; FEW], [0.0; FEW]);
             few[..count].copy_from_slice(enthalpies);
             changes[..count].copy_from_slice(out);
-            let any = here.few::<FUSED>(&mut few, &mut changes, dt);
+            let melting = here.few::<FUSED>(&mut few, &mut changes, dt);
             enthalpies.copy_from_slice(&few[..count]);
             out.copy_from_slice(&changes[..count]);
-            if any {
+            if melting.contains(&true) {
                 may_melt(0, enthalpies);
             }
             return;
@@ -62,8 +62,12 @@ impl<F: FnMut(usize, &[f64])> Work for Change<'_, F> {
             }
             let few = (&mut enthalpies[start..start + FEW]).try_into().expect("so many");
             let changes = (&mut out[start..start + FEW]).try_into().expect("so many");
-            if here.few::<FUSED>(few, changes, dt) {
-                may_melt(done, &enthalpies[done..start + FEW]);
+            let melting = here.few::<FUSED>(few, changes, dt);
+            for (begins, melts) in (start..).step_by(FEWER).zip(melting) {
+                let (from, end) = (begins.max(done), begins + FEWER);
+                if melts && from < end {
+                    may_melt(from, &enthalpies[from..end]);
+                }
             }
             done = start + FEW;
         }
@@ -79,41 +83,42 @@ struct Here<'a> {
 }
 
 impl Here<'_> {
-    /// Changes a few enthalpies; returns whether any may melt at one temperature after it.
+    /// Changes a few enthalpies; tells of each part of them whether any may melt at one temperature after it.
     #[inline(always)]
     fn few<const FUSED: bool>(
         &mut self,
         enthalpies: &mut [f64; FEW],
         out: &mut [f64; FEW],
         dt: f64,
-    ) -> bool {
+    ) -> [bool; FEW / FEWER] {
         let (segments, which) = (self.segments, self.which);
         let ([start, end], segment) = (ends_of(segments, which), segments[which]);
         let (mut after, mut potentials, mut within) = ([0.0; FEW], [0.0; FEW], u64::MAX);
         for x in 0..FEW {
             after[x] = multiply_add::<FUSED>(dt, out[x], enthalpies[x]);
             potentials[x] = segment.potential_at::<FUSED>(after[x]);
-            // Bits of signs, since a processor puts them together for several at once.
-            within &= !(after[x] - start).to_bits() & (after[x] - end).to_bits();
+            within &= is_within([start, end], after[x]);
         }
         *enthalpies = after;
         *out = potentials;
-        match within >> 63 == 0 {
-            true => {
-                let (enthalpies, _) = enthalpies.as_chunks();
-                let (out, _) = out.as_chunks_mut();
-                let mut any = false;
-                for (fewer, out) in enthalpies.iter().zip(out) {
-                    any |= self.fewer::<FUSED>(fewer, out);
+        let mut melting = [self.flat == Some(which); FEW / FEWER];
+        if within >> 63 == 0 {
+            let (fewer, _) = enthalpies.as_chunks();
+            let (out, _) = out.as_chunks_mut();
+            for ((fewer, out), melting) in fewer.iter().zip(out).zip(&mut melting) {
+                let outside = fewer.map(|enthalpy| !is_within([start, end], enthalpy));
+                if any_signs(outside) {
+                    *melting = self.fewer::<FUSED>(fewer, out);
+                } else {
+                    self.which = which;
                 }
-                any
             }
-            false => self.flat == Some(self.which),
         }
+        melting
     }
 
     /// Writes the potentials of fewer enthalpies: for each segment that they are of with all of them at once.
-    /// Returns what [`Self::few`] does.
+    /// Returns whether any may melt at one temperature.
     #[inline(always)]
     fn fewer<const FUSED: bool>(
         &mut self,
@@ -160,11 +165,13 @@ fn ends_of(segments: &[Segment], which: usize) -> [f64; 2] {
 /// together for several at once.
 #[inline(always)]
 fn any_is_within([start, end]: [f64; 2], numbers: &[f64; FEWER]) -> bool {
-    let mut any = 0;
-    for number in numbers {
-        any |= !(number - start).to_bits() & (number - end).to_bits();
-    }
-    any >> 63 != 0
+    any_signs(numbers.map(|number| is_within([start, end], number)))
+}
+
+/// As the bit of a sign: whether a number is not below a start and below an end.
+#[inline(always)]
+fn is_within([start, end]: [f64; 2], number: f64) -> u64 {
+    !(number - start).to_bits() & (number - end).to_bits()
 }
 
 /// The least and the greatest of some numbers. Beside one that is none they may be any of the others: potentials of a step in
@@ -234,7 +241,8 @@ mod tests {
                     }
                     let many: usize = parts.iter().map(|part| part.len()).sum();
                     let few = enthalpies.iter().filter(|h| melts(**h)).count();
-                    assert!(step > 1 || many <= few + 2 * FEW, "{many} are looked at for {few}");
+                    assert!(step > 1 || many <= few + 2 * FEWER, "{many} are looked at for {few}");
+                    assert!(parts.windows(2).all(|two| two[0].end <= two[1].start));
                 }
             }
         }

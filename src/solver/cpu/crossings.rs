@@ -4,14 +4,12 @@ use std::ops::Range;
 
 use super::course::CourseStep;
 use super::operator::Combine;
-use crate::model::wide::Work;
+use crate::model::wide::{Work, any_signs};
 
 /// Values that are looked at together.
 pub(super) const FEW: usize = 32;
-/// The same in runs that are shorter, and of how many those that need something are taken on together.
-const FEWER: usize = 8;
-
-const _: () = assert!(FEW.is_multiple_of(FEWER) && FEWER.is_multiple_of(2));
+/// The same in runs that are shorter, and of what melts over a range.
+pub(super) const FEWER: usize = 8;
 
 /// Finds what passes to another phase in a step, which it takes on where a phase has no single slope.
 pub(super) struct Crossings<'a, R> {
@@ -39,8 +37,8 @@ impl<'s, R: Iterator<Item = (Range<usize>, &'s CourseStep)>> Work for Crossings<
             match mushy {
                 // What does not melt has one phase.
                 None if phases.limit == f64::INFINITY => {}
-                None => look::<FUSED>(phases, now, out, found, run.start),
-                Some(mushy) => look::<FUSED>((phases, *mushy), now, out, found, run.start),
+                None => find_in(phases, now, out, found, run.start),
+                Some(mushy) => mushy.take_on::<FUSED>(phases, now, out, found, run.start),
             }
         }
     }
@@ -51,73 +49,48 @@ pub(super) trait Look: Copy {
     /// As its highest bit, that of a sign, whether something may be to be done with a potential (K) that becomes another
     /// one.
     fn bits(self, now: f64, next: f64) -> u64;
-
-    /// Does what is to be done with at most [`FEW`], of places from `first` on, and adds those that pass to another phase
-    /// to `found`.
-    fn take<const FUSED: bool>(
-        self,
-        now: &[f64],
-        out: &mut [f64],
-        found: &mut Vec<usize>,
-        first: usize,
-    );
 }
 
-/// Looks at a run from place `first` on.
+/// Of what melts at one temperature or not at all.
+impl Look for Combine {
+    #[inline(always)]
+    fn bits(self, now: f64, next: f64) -> u64 {
+        self.room(now).to_bits() ^ self.room(next).to_bits()
+    }
+}
+
+/// Finds what passes to another phase in a run from place `first` on.
 #[inline(always)]
-fn look<const FUSED: bool>(
-    by: impl Look,
-    now: &[f64],
-    out: &mut [f64],
-    found: &mut Vec<usize>,
-    first: usize,
-) {
+fn find_in(by: Combine, now: &[f64], out: &[f64], found: &mut Vec<usize>, first: usize) {
     if now.len() < FEW {
-        if any_of_short(by, now, out) >> 63 != 0 {
-            by.take::<FUSED>(now, out, found, first);
+        if any_of_short(by, now, out) {
+            find_by(by, now, out, found, first);
         }
         return;
     }
     let mut from = 0;
     while from < now.len() {
         let to = now.len().min(from + FEW);
-        // A last chunk that is short is looked at with values before it; nothing is done with these again.
-        let chunks = now[..to].last_chunk().zip(out[..to].last_chunk());
+        // A last chunk that is short is looked at with values before it.
+        let chunks = now[..to].last_chunk::<FEW>().zip(out[..to].last_chunk());
         let (of_now, of_out) = chunks.expect("as many at least");
-        let mut lanes = [0; FEW];
-        add_bits(by, of_now, of_out, &mut lanes);
-        if any_of(lanes) >> 63 != 0 {
-            let some = some_of(&lanes);
-            let these = (to - FEW + some.start).max(from)..to - FEW + some.end;
-            if !these.is_empty() {
-                let (now, out) = (&now[these.clone()], &mut out[these.clone()]);
-                by.take::<FUSED>(now, out, found, first + these.start);
-            }
+        if any_of(by, of_now, of_out) {
+            find_by(by, &now[from..to], &out[from..to], found, first + from);
         }
         from = to;
     }
 }
 
-/// From the first to the last that has a bit, in whole numbers of [`FEWER`].
+/// Whether there are any bits among some.
 #[inline(always)]
-fn some_of(lanes: &[u64; FEW]) -> Range<usize> {
-    let mut groups = 0_u32;
-    for group in 0..FEW / FEWER {
-        // In vectors of four, which processors put together faster than one by one.
-        let mut any = [0; FEWER / 2];
-        for x in 0..FEWER / 2 {
-            any[x] = lanes[group * FEWER + x] | lanes[group * FEWER + FEWER / 2 + x];
-        }
-        groups |= u32::from(any_of(any) >> 63 != 0) << group;
-    }
-    let count = u32::BITS - groups.leading_zeros();
-    FEWER * groups.trailing_zeros() as usize..FEWER * count as usize
-}
-
-/// The bits of any of some.
-#[inline(always)]
-fn any_of<const COUNT: usize>(lanes: [u64; COUNT]) -> u64 {
-    lanes.into_iter().fold(0, |any, bits| any | bits)
+pub(super) fn any_of<const COUNT: usize>(
+    by: impl Look,
+    now: &[f64; COUNT],
+    out: &[f64; COUNT],
+) -> bool {
+    let mut lanes = [0; COUNT];
+    add_bits(by, now, out, &mut lanes);
+    any_signs(lanes)
 }
 
 /// Adds the bits of some, for several at once by a processor.
@@ -133,44 +106,27 @@ fn add_bits<const COUNT: usize>(
     }
 }
 
-/// The bits of any of a run that is short, as those between materials may be: put together once, since that takes as long
-/// as looking at many.
+/// Whether there are any bits in a run that is short, as those between materials may be: put together once, since that
+/// takes as long as looking at many.
 #[inline(always)]
-fn any_of_short(by: impl Look, mut now: &[f64], mut out: &[f64]) -> u64 {
+pub(super) fn any_of_short(by: impl Look, now: &[f64], out: &[f64]) -> bool {
     let mut lanes = [0; FEWER];
-    if let (Some(last_now), Some(last_out)) = (now.last_chunk(), out.last_chunk()) {
-        add_bits(by, last_now, last_out, &mut lanes);
-        while let (Some((these, rest)), Some((next, others))) =
-            (now.split_first_chunk(), out.split_first_chunk())
-        {
-            add_bits(by, these, next, &mut lanes);
-            (now, out) = (rest, others);
-        }
-    } else {
-        for (now, out) in now.iter().zip(out) {
-            lanes[0] |= by.bits(*now, *out);
-        }
+    let (Some(last_now), Some(last_out)) = (now.last_chunk(), out.last_chunk()) else {
+        let bits = now.iter().zip(out).map(|(now, out)| by.bits(*now, *out));
+        return bits.fold(0, |any, bits| any | bits) >> 63 != 0;
+    };
+    add_bits(by, last_now, last_out, &mut lanes);
+    for (now, out) in now.as_chunks().0.iter().zip(out.as_chunks().0) {
+        add_bits(by, now, out, &mut lanes);
     }
-    any_of(lanes)
+    any_signs(lanes)
 }
 
-/// Of what melts at one temperature or not at all.
-impl Look for Combine {
-    #[inline(always)]
-    fn bits(self, now: f64, next: f64) -> u64 {
-        self.room(now).to_bits() ^ self.room(next).to_bits()
-    }
-
-    #[inline(always)]
-    fn take<const FUSED: bool>(
-        self,
-        now: &[f64],
-        out: &mut [f64],
-        found: &mut Vec<usize>,
-        first: usize,
-    ) {
-        find(now.iter().zip(&*out).map(|(now, next)| self.bits(*now, *next)), found, first);
-    }
+/// Finds those of some, from place `first` on: rarely needed.
+#[cold]
+#[inline(never)]
+fn find_by(by: Combine, now: &[f64], out: &[f64], found: &mut Vec<usize>, first: usize) {
+    find(now.iter().zip(out).map(|(now, out)| by.bits(*now, *out)), found, first);
 }
 
 /// Finds those of a few, from place `first` on, of which bits of signs say that they do: rarely needed.
@@ -213,10 +169,13 @@ mod tests {
     fn potentials_go_where_their_enthalpies_do() {
         for (which, course) in courses().iter().enumerate() {
             let told = |enthalpy: &f64| course.tells(*enthalpy, course.potential(*enthalpy));
-            let before: Vec<f64> = enthalpies().filter(told).collect();
-            let now: Vec<f64> = before.iter().map(|h| course.potential(*h)).collect();
-            // The second takes some from one side of what is mushy to the other, and beyond.
-            for (dt, few) in [(0.5, 5), (40.0, 1)] {
+            let ascending: Vec<f64> = enthalpies().filter(told).collect();
+            // The second takes some from one side of what is mushy to the other, and beyond. In the third some follow each
+            // other, and others are mushy elsewhere.
+            for (dt, few, stride) in [(0.5, 5, 1), (40.0, 1, 1), (0.5, 5, 1009)] {
+                let at = |k: usize| ascending[(k / 11 * 11 * stride + k % 11) % ascending.len()];
+                let before: Vec<f64> = (0..ascending.len()).map(at).collect();
+                let now: Vec<f64> = before.iter().map(|h| course.potential(*h)).collect();
                 let change = |k: usize| 0.7 * ((7 * k % 31) as f64 - 15.0);
                 let rates: Vec<f64> = (0..before.len()).map(change).collect();
                 let (out, crossings) = after(course, &now, rates.clone(), dt);

@@ -4,7 +4,7 @@
 //! is psi_0 + s x + b x^2. Where it is psi its slope is g = sqrt(s^2 + 4 b (psi - psi_0)), and a change delta of the
 //! enthalpy takes it to psi + delta (g + b delta): to what the curve has there, without a look at the enthalpy.
 
-use super::crossings::{FEW, Look, find};
+use super::crossings::{FEW, FEWER, Look, any_of, any_of_short, find};
 use super::operator::Combine;
 use crate::model::material::Segment;
 use crate::model::wide::{choose, multiply_add};
@@ -12,6 +12,8 @@ use crate::model::wide::{choose, multiply_add};
 /// The smallest slope d psi / d theta with which potentials are to tell enthalpies: they lose as many digits as it is
 /// smaller than 1.
 const LEAST_SLOPE: f64 = 0.01;
+
+const _: () = assert!(FEW.is_multiple_of(FEWER), "groups fill what is taken on together");
 
 /// What a material is between solidus and liquidus.
 pub(super) struct Mushy {
@@ -23,7 +25,6 @@ pub(super) struct Mushy {
 }
 
 /// A step that takes its potentials on.
-#[derive(Clone, Copy)]
 pub(super) struct MushyStep {
     ends: [f64; 2],
     /// s^2, 4 b and b.
@@ -80,40 +81,78 @@ fn rooms([least, most]: [f64; 2], potential: f64) -> [u64; 2] {
     [(least - potential).to_bits(), (most - potential).to_bits()]
 }
 
-/// With what takes on what is solid or liquid: above a limit, which is where the mushy ends.
-impl Look for (Combine, MushyStep) {
+impl Look for &MushyStep {
     #[inline(always)]
     fn bits(self, now: f64, next: f64) -> u64 {
-        let [[over, above], [next_over, next_above]] =
-            [now, next].map(|potential| rooms(self.1.ends, potential));
-        // Not both solid, nor both liquid: what is above the most is above the least.
-        (over | next_over) & !(above & next_above)
+        // Not both solid, nor both liquid. What is no number stays so, found or not: `max` and `min` would have to look for it.
+        let [least, most] = self.ends;
+        let highest = if now > next { now } else { next };
+        let lowest = if now < next { now } else { next };
+        (least - highest).to_bits() & !(most - lowest).to_bits()
+    }
+}
+
+impl MushyStep {
+    /// Takes on what is mushy in a run from place `first` on, of which there is in `out` what it would be with the slopes of
+    /// `phases`, whose limit is where the mushy ends; adds what passes to another phase to `found`.
+    #[inline(always)]
+    pub(super) fn take_on<const FUSED: bool>(
+        &self,
+        phases: Combine,
+        now: &[f64],
+        out: &mut [f64],
+        found: &mut Vec<usize>,
+        first: usize,
+    ) {
+        let per_change = self.dt / phases.factors[0];
+        // Those that follow each other are taken on together.
+        let (groups, rest) = now.as_chunks::<FEWER>();
+        let mut some = 0..0;
+        for (group, of_now) in groups.iter().enumerate() {
+            let from = group * FEWER;
+            let of_out = out[from..].first_chunk().expect("as many");
+            if !any_of(self, of_now, of_out) {
+                continue;
+            }
+            if some.end != from || some.len() == FEW {
+                let (now, out) = (&now[some.clone()], &mut out[some.clone()]);
+                self.take::<FUSED>(per_change, now, out, found, first + some.start);
+                some = from..from;
+            }
+            some.end = from + FEWER;
+        }
+        let (now_of_some, out_of_some) = (&now[some.clone()], &mut out[some.clone()]);
+        self.take::<FUSED>(per_change, now_of_some, out_of_some, found, first + some.start);
+        let done = now.len() - rest.len();
+        let rest_out = &mut out[done..];
+        if any_of_short(self, rest, rest_out) {
+            self.take::<FUSED>(per_change, rest, rest_out, found, first + done);
+        }
     }
 
-    /// Takes on what is mushy, of which there is in `out` what it would be with the slopes of other phases.
+    /// The same of at most [`FEW`], where `per_change` of a change in `out` is that of the enthalpy.
     #[inline(always)]
     fn take<const FUSED: bool>(
-        self,
+        &self,
+        per_change: f64,
         now: &[f64],
         out: &mut [f64],
         found: &mut Vec<usize>,
         first: usize,
     ) {
         debug_assert!(now.len() <= FEW, "all are taken");
-        let (phases, mushy) = self;
-        let per_change = mushy.dt / phases.factors[0];
         let (mut passes, mut any) = ([0; FEW], 0);
         for ((passes, &now), out) in passes.iter_mut().zip(now).zip(&mut *out) {
             let change = per_change * (*out - now);
-            let slope = mushy.slope::<FUSED>(now);
-            let rise = multiply_add::<FUSED>(mushy.bend, change, slope);
+            let slope = self.slope::<FUSED>(now);
+            let rise = multiply_add::<FUSED>(self.bend, change, slope);
             let of_mushy = multiply_add::<FUSED>(change, rise, now);
-            let [over, above] = rooms(mushy.ends, now);
+            let [over, above] = rooms(self.ends, now);
             let is_mushy = over & !above;
             let after = choose(is_mushy >> 63 != 0, of_mushy, *out);
-            let [next_over, next_above] = rooms(mushy.ends, after);
+            let [next_over, next_above] = rooms(self.ends, after);
             // Past where the slope would be 0 the same potentials come again.
-            let turns = is_mushy & (rise + mushy.bend * change).to_bits();
+            let turns = is_mushy & (rise + self.bend * change).to_bits();
             *passes = (over ^ next_over) | (above ^ next_above) | turns;
             any |= *passes;
             *out = choose(*passes >> 63 != 0, *out, after);
