@@ -14,7 +14,7 @@ use crate::model::{HeatCurve, Problem};
 pub(super) struct Curves {
     /// By place: which one; none where all have the first.
     of: Option<Arc<[u16]>>,
-    /// Where one begins, and which, if they differ.
+    /// Where one begins, and which: the first from 0 on, and at last where there is no place.
     starts: Vec<(u32, u16)>,
     curves: Vec<Option<Arc<HeatCurve>>>,
     /// How potentials go on with each, if they tell enthalpies with all.
@@ -33,19 +33,24 @@ impl Curves {
                 operator.by_place(&numbers).into_iter().map(|m| m as u16).collect();
             (Some(of), &problem.materials[..])
         };
-        let changes = |of: &Arc<[u16]>| {
-            let mut starts: Vec<(u32, u16)> = Vec::new();
-            for (place, &which) in (0..).zip(of.iter()) {
-                if starts.last().is_none_or(|&(_, before)| before != which) {
-                    starts.push((place, which));
-                }
-            }
-            starts.shrink_to_fit();
-            starts
-        };
-        let starts = of.as_ref().map_or_else(Vec::new, changes);
         let curves = materials.iter().map(|material| material.curve.clone()).collect();
         let courses = materials.iter().map(Course::of).collect();
+        Self::by_place(of, curves, courses)
+    }
+
+    fn by_place(
+        of: Option<Arc<[u16]>>,
+        curves: Vec<Option<Arc<HeatCurve>>>,
+        courses: Option<Vec<Course>>,
+    ) -> Self {
+        let mut starts: Vec<(u32, u16)> = Vec::new();
+        for (place, &which) in (0..).zip(of.as_deref().unwrap_or(&[0])) {
+            if starts.last().is_none_or(|&(_, before)| before != which) {
+                starts.push((place, which));
+            }
+        }
+        starts.push((u32::MAX, 0));
+        starts.shrink_to_fit();
         Self { of, starts, curves, courses }
     }
 
@@ -70,7 +75,7 @@ impl Curves {
         self.curves[self.which(place)].as_deref()
     }
 
-    /// Parts of `places` that are of one material, with which curve and course that has.
+    /// Parts of `places` that are of one material, with which curve and course that has; of no places none or an empty one.
     pub(super) fn runs(
         &self,
         places: Range<usize>,
@@ -78,23 +83,18 @@ impl Curves {
         self.runs_near(places, &mut 0)
     }
 
-    /// The same, looked for from `near` on, which becomes how many begin up to the first place.
+    /// The same, looked for from `near` on, which becomes how many begin before the end of the places.
     pub(super) fn runs_near(
         &self,
         places: Range<usize>,
         near: &mut usize,
     ) -> impl Iterator<Item = (Range<usize>, usize)> + use<'_> {
-        *near = seek(&self.starts, *near, |&(start, _)| start as usize <= places.start);
-        let begun = *near;
-        let mut starts = self.starts[begun..].iter();
-        // Which it is stands beside where it begins, since places are looked up in another part of memory.
-        let first = begun.checked_sub(1).map_or(0, |last| self.starts[last].1);
-        let mut next = Some((places.start, first));
-        std::iter::from_fn(move || {
-            let (start, which) = next.take().filter(|&(start, _)| start < places.end)?;
-            next = starts.next().map(|&(start, which)| (start as usize, which));
-            let end = next.map_or(places.end, |(next, _)| places.end.min(next));
-            Some((start..end, usize::from(which)))
+        let first = seek(&self.starts, *near, |&(start, _)| start as usize <= places.start) - 1;
+        *near = seek(&self.starts, first, |&(start, _)| (start as usize) < places.end);
+        self.starts[first..=*near].windows(2).map(move |ends| {
+            let [(start, which), (end, _)] = [ends[0], ends[1]];
+            let run = (start as usize).max(places.start)..(end as usize).min(places.end);
+            (run, usize::from(which))
         })
     }
 
@@ -121,5 +121,31 @@ impl Curves {
     /// Bytes that they hold.
     pub(super) fn memory_bytes(&self) -> usize {
         self.of.as_ref().map_or(0, |of| size_of_val(&**of)) + size_of_val(&*self.starts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_of_one_curve_each_and_all_of_the_places() {
+        let of: Vec<u16> = [0, 0, 0, 2, 2, 1, 0, 0, 1, 1].repeat(3);
+        let curves = Curves::by_place(Some(of.clone().into()), Vec::new(), None);
+        for (start, end) in (0..=of.len()).flat_map(|end| (0..=end).map(move |start| (start, end)))
+        {
+            for mut near in [0, 1, 9, 50] {
+                let runs: Vec<_> = curves.runs_near(start..end, &mut near).collect();
+                let places: Vec<usize> = runs.iter().flat_map(|(run, _)| run.clone()).collect();
+                assert_eq!(places, (start..end).collect::<Vec<_>>());
+                assert!(runs.windows(2).all(|two| two[0].1 != two[1].1));
+                for (run, which) in runs {
+                    assert!(!run.is_empty() || start == end);
+                    assert!(of[run].iter().all(|of| usize::from(*of) == which));
+                }
+            }
+        }
+        let one = Curves::by_place(None, Vec::new(), None);
+        assert_eq!(one.runs(3..8).collect::<Vec<_>>(), [(3..8, 0)]);
     }
 }
