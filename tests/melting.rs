@@ -360,9 +360,9 @@ fn scenes_that_do_not_melt_pay_nothing() {
     let no_exact = "exact=null";
     let (melting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact]));
     let (conducting, _) = run(&melting_rod(800, &["time.end=0.5", no_exact, plain]));
-    // The enthalpy, the copy of it that a run falls back to, and place and enthalpy of the particle that melts, before a step
-    // and after it.
-    assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16 + 20);
+    // The enthalpy, the copy of it that a run falls back to, place, lines and enthalpy of the particle that melts, the latter
+    // before a step and after it, and between which places there is the curve.
+    assert_eq!(melting.memory_bytes - conducting.memory_bytes, 800 * 16 + 24 + 16);
     assert!(conducting.front.is_none());
     // On a GPU a step reads one enthalpy and writes another, and tiles of what melts are listed.
     let machine = on_gpu(Precision::F64);

@@ -31,6 +31,8 @@ pub struct Front {
     pub ends: f64,
     /// Potential meanwhile, K.
     pub potential: f64,
+    /// How much is liquid for each K of enthalpy, 1/K.
+    per_enthalpy: f64,
 }
 
 impl Fronts {
@@ -57,9 +59,13 @@ impl Fronts {
 
     /// How much more than the operator has of it flows between a melting particle of this enthalpy (K) and a
     /// neighbour, in parts: a liquid one, and a solid one.
+    #[inline(always)]
     pub fn excess(&self, front: &Front, enthalpy: f64) -> [f64; 2] {
-        let s = (enthalpy - front.begins) / (front.ends - front.begins) - 0.5;
-        [-s / (self.distance + s), s / (self.distance - s)]
+        let s = (enthalpy - front.begins) * front.per_enthalpy - 0.5;
+        // -s / (D + s) and s / (D - s), by one division.
+        let [to_liquid, to_solid] = [self.distance + s, self.distance - s];
+        let part = s / (to_liquid * to_solid);
+        [-part * to_solid, part * to_liquid]
     }
 }
 
@@ -68,7 +74,11 @@ impl Front {
         let [begins, ends] = curve.melting()?;
         let melt = curve.melt()?;
         let is_sharp = melt.solidus == melt.liquidus && begins < ends;
-        is_sharp.then(|| Self { begins, ends, potential: curve.potential(begins) })
+        is_sharp.then(|| Self::between([begins, ends], curve.potential(begins)))
+    }
+
+    fn between([begins, ends]: [f64; 2], potential: f64) -> Self {
+        Self { begins, ends, potential, per_enthalpy: 1.0 / (ends - begins) }
     }
 
     /// Whether a particle of this enthalpy (K) melts.
@@ -101,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_linear_profile_up_to_the_front_flows_as_it_should() {
-        let front = Front { begins: 700.0, ends: 900.0, potential: 700.0 };
+        let front = Front::between([700.0, 900.0], 700.0);
         for (kind, ratio) in [(KernelKind::CubicSpline, 2.0), (KernelKind::WendlandC4, 3.2)] {
             let kernel = Kernel::new(kind, 1, ratio).expect("a kernel");
             let fronts =

@@ -106,7 +106,7 @@ impl Enthalpy {
             let mut latent = Latent::default();
             for (place, (&value, &now)) in (k * CHUNK..).zip(values.iter().zip(now)) {
                 if is_latent(place, value, now) && operator.has_particle(place) {
-                    latent.push(place, value, self.scene.kind(place));
+                    latent.push(place, value, self.scene.kind(place, operator));
                 }
             }
             latent
@@ -259,8 +259,12 @@ impl HeatScene {
     }
 
     /// The kind of what melts in a place, unless all are of one.
-    pub(super) fn kind(&self, place: usize) -> Option<CurveAndLines> {
-        let lines = || self.fronts.as_ref().map_or(0, |fronts| fronts.lines(place));
+    pub(super) fn kind<O: CpuOperator + ?Sized>(
+        &self,
+        place: usize,
+        operator: &O,
+    ) -> Option<CurveAndLines> {
+        let lines = || self.fronts.as_ref().map_or(0, |fronts| fronts.lines(place, operator));
         self.has_kinds()
             .then(|| CurveAndLines { curve: self.curves.which(place) as u16, lines: lines() })
     }

@@ -1,7 +1,5 @@
 //! The neighbours of a particle, as operators have them.
 
-use std::ops::Range;
-
 use crate::model::wide::{multiply_add, sum_of};
 
 /// Places of a line.
@@ -49,39 +47,10 @@ impl Lines {
         self.ahead.last().map_or(0, |last| last + LANES)
     }
 
-    /// How many there are.
+    /// How far each begins from the first, and its weights.
     #[inline(always)]
-    pub(super) fn len(&self) -> usize {
-        self.ahead.len()
-    }
-
-    /// How far some of them begin from the first, and their weights.
-    #[inline(always)]
-    pub(super) fn some(
-        &self,
-        which: Range<usize>,
-    ) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
-        self.ahead[which.clone()].iter().zip(&self.weights[which])
-    }
-
-    #[inline(always)]
-    fn all(&self) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
-        self.some(0..self.len())
-    }
-
-    /// Which of them are whole among so many places, if the first begins at `first` of these, where one that begins
-    /// before them has wrapped around.
-    #[inline(always)]
-    pub(super) fn within(&self, first: usize, count: usize) -> Range<usize> {
-        let firsts = count.saturating_sub(LANES - 1);
-        let is_within = |ahead: &usize| first.wrapping_add(*ahead) < firsts;
-        let ends = [self.ahead.first(), self.ahead.last()];
-        if ends.into_iter().flatten().all(is_within) {
-            return 0..self.len();
-        }
-        let start = self.ahead.iter().take_while(|ahead| !is_within(ahead)).count();
-        let whole = self.ahead[start..].iter().take_while(|ahead| is_within(ahead)).count();
-        start..start + whole
+    pub(super) fn all(&self) -> impl Iterator<Item = (&usize, &[f64; LANES])> {
+        self.ahead.iter().zip(&self.weights)
     }
 
     /// sum_b w_ab (C_b - C_a) of the particle in a place, of a constant field exactly 0; all that the lines go over has
@@ -169,28 +138,6 @@ impl Entries<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_are_whole_where_all_their_places_are_there() {
-        for steps in [vec![], vec![0], vec![-3, 2, 9], vec![-20, -16, -9, -1, 3, 8]] {
-            let lines = Lines::of(&steps.iter().map(|&step| (step, 1.0)).collect::<Vec<_>>());
-            for count in 0..24 {
-                for place in -30..50 {
-                    let first = (place as usize).wrapping_add_signed(lines.first);
-                    let whole = lines.within(first, count);
-                    for (which, step) in steps.iter().enumerate() {
-                        let is_whole =
-                            place + step >= 0 && (place + step) as usize + LANES <= count;
-                        assert_eq!(
-                            whole.contains(&which),
-                            is_whole,
-                            "{steps:?}: {place} of {count}"
-                        );
-                    }
-                }
-            }
-        }
-    }
 
     #[test]
     fn neighbours_less_than_a_line_apart_are_in_one() {

@@ -19,7 +19,7 @@ pub(super) struct Latent {
     /// Ascending.
     places: Vec<u32>,
     enthalpies: Vec<f64>,
-    /// None where all places are of one kind. They stand here since those of all places are far apart.
+    /// None where all places are of one kind. They stand here since to look them up by place takes longer.
     kinds: Vec<CurveAndLines>,
 }
 
@@ -196,18 +196,32 @@ impl<'a> NextLatent<'a> {
         self.others.as_ref().map_or(self.same, |others| others.places.len())
     }
 
-    /// As [`Latent::push`].
+    /// As [`Latent::push`], where `kind` is asked only for a kind that is not known.
     #[inline]
-    pub(super) fn push(&mut self, place: usize, enthalpy: f64, kind: Option<CurveAndLines>) {
-        let Self { before, which, enthalpies, same, others } = self;
-        if let Some(others) = others {
-            return others.push(place, enthalpy, kind);
+    pub(super) fn push(
+        &mut self,
+        place: usize,
+        enthalpy: f64,
+        kind: impl FnOnce() -> Option<CurveAndLines>,
+    ) {
+        let next = self.which.start + self.same;
+        match &mut self.others {
+            Some(others) => others.push(place, enthalpy, kind()),
+            None if next < self.which.end && self.before.places[next] as usize == place => {
+                self.keep(next, enthalpy);
+            }
+            None => self.others().push(place, enthalpy, kind()),
         }
-        let next = which.start + *same;
-        if next < which.end && before.places[next] as usize == place {
-            enthalpies[*same] = enthalpy;
-            *same += 1;
+    }
+
+    /// Takes one of those before with another enthalpy (K).
+    #[inline(always)]
+    pub(super) fn keep(&mut self, which: usize, enthalpy: f64) {
+        if self.others.is_none() && self.which.start + self.same == which {
+            self.enthalpies[self.same] = enthalpy;
+            self.same += 1;
         } else {
+            let (place, _, kind) = self.before.one(which);
             self.others().push(place, enthalpy, kind);
         }
     }
@@ -303,7 +317,8 @@ mod tests {
             [&[2, 5], &[14], &[]],
             [&[7], &[11, 14, 17, 12], &[25]],
         ];
-        for (which, step) in steps.into_iter().enumerate() {
+        let all = steps.into_iter().enumerate();
+        for ((which, step), keeps) in all.flat_map(|step| [(step, false), (step, true)]) {
             let (mut after, mut enthalpies) = (before.clone(), vec![0.0; 6]);
             let mut rest = &mut enthalpies[..];
             let parts: Vec<PartAfter> = (0..)
@@ -313,7 +328,10 @@ mod tests {
                     let mut next = NextLatent::take(&before, &mut rest, &all);
                     for (count, &place) in places.iter().enumerate() {
                         assert_eq!(next.len(), count);
-                        next.push(place, place as f64, kind(place));
+                        match before.places().binary_search(&(place as u32)) {
+                            Ok(which) if keeps => next.keep(which, place as f64),
+                            _ => next.push(place, place as f64, || kind(place)),
+                        }
                     }
                     if !places.is_sorted() {
                         next.sort(0);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::CHUNK;
 use super::enthalpy::Enthalpy;
-use super::entries::{Entries, Near};
+use super::entries::{Entries, Lines, Near};
 use super::partial_step::{PartialStep, WholeStep};
 use super::written::Written;
 use crate::model::operator::SourceRows;
@@ -138,6 +138,16 @@ pub(super) trait CpuOperator: Send + Sync {
     /// Whether places are sites of a lattice: many have neighbours as far away as others, in lines.
     fn has_lines(&self) -> bool {
         false
+    }
+
+    /// Which of [`Self::shared_lines`] go over the neighbours of the particle in a place, where this is known of all places.
+    fn which_lines(&self, _place: usize) -> Option<u16> {
+        None
+    }
+
+    /// Lines that places share.
+    fn shared_lines(&self, _which: u16) -> Option<&Lines> {
+        None
     }
 
     /// How many places a neighbour is away at most, round the ends of periodic axes.

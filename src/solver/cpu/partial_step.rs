@@ -314,7 +314,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let change = std::mem::replace(&mut out[place - first], now[place]) - now[place];
             let enthalpy = enthalpy + steps[curve].enthalpy_per_change * change;
             match courses[curve].goes_on_melting(now[place], enthalpy) {
-                true => latent.push(place, enthalpy, kind),
+                true => latent.keep(melting, enthalpy),
                 false => changed.push((place, enthalpy)),
             }
         }
@@ -337,7 +337,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
             let potential = course.potential(enthalpy);
             out[place - first] = potential;
             if !course.tells(enthalpy, potential) {
-                latent.push(place, enthalpy, scene.kind(place));
+                latent.push(place, enthalpy, || scene.kind(place, operator));
             }
         }
         if latent.len() > sorted {
@@ -357,7 +357,7 @@ impl<'a, O: CpuOperator + ?Sized> PartialStep<'a, O> {
                 if let Some(fronts) = &scene.fronts {
                     fronts.find_latent(first, enthalpies, |place, enthalpy| {
                         if operator.has_particle(place) {
-                            latent.push(place, enthalpy, scene.kind(place));
+                            latent.push(place, enthalpy, || scene.kind(place, operator));
                         }
                     });
                 }

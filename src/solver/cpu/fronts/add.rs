@@ -103,23 +103,97 @@ impl Flow {
         }
     }
 
-    /// The same of lines of which some or nothing is in `out`, where the first of all begins at `first`.
+    /// The same of all lines, where potentials are in `around` from the first to the last of them; returns what flows to the
+    /// particle, to the last bit the same for `near` as for any part of what is near.
     #[inline(always)]
-    fn add_cut<'a, const FUSED: bool>(
+    fn add_lines<const FUSED: bool>(
         self,
-        lines: impl Iterator<Item = (&'a usize, &'a [f64; LANES])>,
+        lines: &Lines,
+        around: &[f64],
+        mut near: impl NearLines,
+    ) -> [f64; LANES] {
+        // Added to three sums in turn, since each addition waits for the one before.
+        let [mut first, mut second, mut third] = [[0.0; LANES]; 3];
+        for (&ahead, weights) in lines.all() {
+            near.add::<FUSED>(self, ahead, weights, around, &mut first);
+            [first, second, third] = [second, third, first];
+        }
+        for x in 0..LANES {
+            first[x] += second[x] + third[x];
+        }
+        first
+    }
+}
+
+/// What is written near a particle.
+trait NearLines {
+    /// Takes what flows from a line, so far `ahead` of the first of `around`, from what is written of it, and adds it to
+    /// `gain`.
+    fn add<const FUSED: bool>(
+        &mut self,
+        flow: Flow,
+        ahead: usize,
+        weights: &[f64; LANES],
         around: &[f64],
         gain: &mut [f64; LANES],
-        first: usize,
-        out: &mut [f64],
+    );
+}
+
+/// From the first to the last of all lines.
+struct Whole<'a>(&'a mut [f64]);
+
+impl NearLines for Whole<'_> {
+    #[inline(always)]
+    fn add<const FUSED: bool>(
+        &mut self,
+        flow: Flow,
+        ahead: usize,
+        weights: &[f64; LANES],
+        around: &[f64],
+        gain: &mut [f64; LANES],
     ) {
-        for (&ahead, weights) in lines {
-            let others = around[ahead..].first_chunk().expect("a line's length");
-            let (to, mut line) = (first.wrapping_add(ahead), [0.0; LANES]);
+        // One length for both, so that each line is looked for once.
+        let near = &mut self.0[..around.len()];
+        let others = around[ahead..].first_chunk().expect("a line's length");
+        let line = near[ahead..].first_chunk_mut().expect("a line's length");
+        flow.add_line::<FUSED>(others, weights, gain, line);
+    }
+}
+
+/// Lines as far as they are in `out`, where the first begins at `first`: what flows from beyond counts only if the particle
+/// `is_own`.
+struct Cut<'a> {
+    out: &'a mut [f64],
+    first: usize,
+    is_own: bool,
+}
+
+impl NearLines for Cut<'_> {
+    #[inline(always)]
+    fn add<const FUSED: bool>(
+        &mut self,
+        flow: Flow,
+        ahead: usize,
+        weights: &[f64; LANES],
+        around: &[f64],
+        gain: &mut [f64; LANES],
+    ) {
+        let others = around[ahead..].first_chunk().expect("a line's length");
+        let (count, out) = (self.out.len(), &mut *self.out);
+        // What begins before the first has wrapped around.
+        let to = self.first.wrapping_add(ahead);
+        if let Some(line) = out.get_mut(to..).and_then(<[f64]>::first_chunk_mut) {
+            flow.add_line::<FUSED>(others, weights, gain, line);
+        } else if (0..LANES).all(|x| to.wrapping_add(x) >= count) {
+            if self.is_own {
+                flow.add_line::<FUSED>(others, weights, gain, &mut [0.0; LANES]);
+            }
+        } else {
+            let mut line = [0.0; LANES];
             for (x, line) in line.iter_mut().enumerate() {
                 *line = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
             }
-            self.add_line::<FUSED>(others, weights, gain, &mut line);
+            flow.add_line::<FUSED>(others, weights, gain, &mut line);
             for (x, line) in line.iter().enumerate() {
                 if let Some(out) = out.get_mut(to.wrapping_add(x)) {
                     *out = *line;
@@ -146,7 +220,7 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
             for (which, kind) in (first..).zip(&mut kinds[..places.len()]) {
                 *kind = latent.kind(which).unwrap_or_default();
             }
-            // All before any is needed, since a processor divides several at once.
+            // All before any is needed: what waits for a quotient would have the next particle wait.
             let mut flows = [Flow::default(); FEW];
             for ((flow, &enthalpy), kind) in flows.iter_mut().zip(enthalpies).zip(&kinds) {
                 *flow = Flow::of(of, written, kind.curve, enthalpy);
@@ -172,12 +246,22 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                 match entries {
                     Entries::Lines(lines, factor) => {
                         let start = lines.start(place);
-                        match potentials.get(start..start + lines.span()) {
+                        let first = start.wrapping_sub(own.start);
+                        let span = lines.span();
+                        match potentials.get(start..start + span) {
                             Some(around) if are_alike => {
                                 let flow = flow.times(factor);
-                                let first = start.wrapping_sub(own.start);
-                                let is_own = own.contains(&place);
-                                *gain = along::<FUSED>(lines, flow, around, first, is_own, out);
+                                let whole = out.get_mut(first..first.wrapping_add(span));
+                                *gain = match whole {
+                                    Some(near) => {
+                                        flow.add_lines::<FUSED>(lines, around, Whole(near))
+                                    }
+                                    None => {
+                                        let is_own = own.contains(&place);
+                                        let near = Cut { out: &mut *out, first, is_own };
+                                        flow.add_lines::<FUSED>(lines, around, near)
+                                    }
+                                };
                             }
                             _ => lines.for_each(place, |other, weight| add(other, factor * weight)),
                         }
@@ -197,45 +281,42 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
     }
 }
 
-/// Takes the flows from all of `lines`, whose potentials are in `around` from the first to the last, from what is in
-/// `out` of these as far as they are there, where the first line begins at `first`; returns what flows to the particle,
-/// if it `is_own`: there, what lies beyond counts too.
-#[inline(always)]
-fn along<const FUSED: bool>(
-    lines: &Lines,
-    flow: Flow,
-    around: &[f64],
-    first: usize,
-    is_own: bool,
-    out: &mut [f64],
-) -> [f64; LANES] {
-    let (mut gain, count) = ([0.0; LANES], out.len());
-    let whole = lines.within(first, count);
-    // What lies beyond counts for the particle's own sum alone; beside whole lines, only those next to them can be cut.
-    let beyond = |all: Range<usize>, next: Range<usize>| {
-        if is_own {
-            return all;
-        }
-        let mut some = lines.some(next.clone());
-        let is_cut = some.any(|(ahead, _)| !is_beyond(first.wrapping_add(*ahead), count));
-        if is_cut { next } else { 0..0 }
-    };
-    let last_before = if whole.is_empty() { 0 } else { whole.start.saturating_sub(1) };
-    let before = beyond(0..whole.start, last_before..whole.start);
-    let behind = beyond(whole.end..lines.len(), whole.end..lines.len().min(whole.end + 1));
-    flow.add_cut::<FUSED>(lines.some(before), around, &mut gain, first, out);
-    for (&ahead, weights) in lines.some(whole) {
-        let others = around[ahead..].first_chunk().expect("a line's length");
-        let line = out[first.wrapping_add(ahead)..].first_chunk_mut().expect("a line's length");
-        flow.add_line::<FUSED>(others, weights, &mut gain, line);
-    }
-    flow.add_cut::<FUSED>(lines.some(behind), around, &mut gain, first, out);
-    gain
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Whether a line that begins at `first` of so many places has nothing in common with them.
-#[inline(always)]
-fn is_beyond(first: usize, count: usize) -> bool {
-    // What begins before the first has wrapped around.
-    first >= count && first.wrapping_add(LANES - 1) >= count
+    #[test]
+    fn lines_give_and_take_the_same_wherever_they_are_cut() {
+        let steps = [-31, -30, -29, -20, -11, -9, -1, 1, 2, 9, 11, 20, 30, 31];
+        for steps in [&steps[..], &steps[3..], &steps[..4], &steps[6..9]] {
+            let weight = |step: isize| 1.0 / (3.5 + step as f64).abs();
+            let entries: Vec<_> = steps.iter().map(|&step| (step, weight(step))).collect();
+            let (lines, place, count) = (Lines::of(&entries), 40, 80);
+            let (start, span) = (lines.start(place), lines.span());
+            let flow =
+                Flow { potential: 0.3, excess: [0.5, -0.2], taken: [0.25, -0.3], factor: 1.0 };
+            let potentials: Vec<f64> = (0..count).map(|k| (k * 37 % 11) as f64 / 11.0).collect();
+            let around = &potentials[start..start + span];
+            let mut whole = vec![1.0; count];
+            let near = Whole(&mut whole[start..start + span]);
+            let gain = flow.add_lines::<true>(&lines, around, near);
+            let (mut expected, mut gained) = (vec![1.0; count], 0.0);
+            lines.for_each(place, |other, weight| {
+                flow.add::<true>(potentials[other], weight, &mut gained, &mut expected[other]);
+            });
+            assert_eq!(whole, expected);
+            assert!((sum_of(gain) - gained).abs() < 1e-15, "{gain:?} {gained}");
+            for (cut, end) in (0..=count).flat_map(|end| (0..=end).map(move |cut| (cut, end))) {
+                let mut parts = vec![1.0; count];
+                let (before, behind) = parts.split_at_mut(cut);
+                let (some, rest) = behind.split_at_mut(end - cut);
+                for (part, out) in [(0..cut, before), (cut..end, some), (end..count, rest)] {
+                    let (first, is_own) = (start.wrapping_sub(part.start), part.contains(&place));
+                    let found = flow.add_lines::<true>(&lines, around, Cut { out, first, is_own });
+                    assert!(found == gain || !is_own, "{part:?}");
+                }
+                assert_eq!(parts, whole, "cut at {cut} and {end}");
+            }
+        }
+    }
 }

@@ -23,8 +23,16 @@ pub(super) struct FrontFlows {
     /// The material of each place, where fronts differ; else the front of all.
     of: Which,
     capacities: Arc<Capacities>,
-    /// `None` where all that an operator has in lines is of one material and one capacity.
-    own: Option<OwnLines>,
+    lines: KnownLines,
+}
+
+/// What is known of the lines that go over the neighbours of what melts.
+enum KnownLines {
+    /// There are none, or they are looked up by place.
+    Nothing,
+    /// The operator has them, and all is of one material and one capacity.
+    OfOperator,
+    Own(OwnLines),
 }
 
 enum Which {
@@ -46,8 +54,9 @@ impl FrontFlows {
             None => Which::Same(*fronts.of_material(problem.particles.material[0])?),
             Some(materials) => Which::Each(Arc::clone(materials)),
         };
-        let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), own: None };
-        flows.own = operator.has_lines().then(|| flows.own_lines(operator)).flatten();
+        let lines = KnownLines::Nothing;
+        let mut flows = Self { fronts, of, capacities: Arc::clone(capacities), lines };
+        flows.lines = flows.known_lines(operator);
         Some(flows)
     }
 
@@ -95,17 +104,24 @@ impl FrontFlows {
         }
     }
 
-    /// Whether lines differ from those of the operator.
+    /// Whether lines are known by place.
     pub(super) fn has_lines(&self) -> bool {
-        self.own.is_some()
+        !matches!(self.lines, KnownLines::Nothing)
     }
 
-    /// Which lines lead from a place to the neighbours of the own material, where these are known.
-    pub(super) fn lines(&self, place: usize) -> u16 {
-        self.own.as_ref().map_or(0, |own| own.which(place))
+    /// Which lines lead from a place of `operator` to the neighbours of the own material, where these are known.
+    pub(super) fn lines<O: CpuOperator + ?Sized>(&self, place: usize, operator: &O) -> u16 {
+        match &self.lines {
+            KnownLines::Nothing => 0,
+            KnownLines::OfOperator => operator.which_lines(place).unwrap_or_default(),
+            KnownLines::Own(own) => own.which(place),
+        }
     }
 
-    fn own_lines(&self, operator: &dyn CpuOperator) -> Option<OwnLines> {
+    fn known_lines(&self, operator: &dyn CpuOperator) -> KnownLines {
+        if !operator.has_lines() {
+            return KnownLines::Nothing;
+        }
         let materials = match &self.of {
             Which::Same(_) => None,
             Which::Each(materials) => Some(materials.len()),
@@ -119,8 +135,14 @@ impl FrontFlows {
             Some(_) => Beside::OtherCapacity,
             None => Beside::OtherMaterial,
         };
-        let count = materials.or(capacities)?;
-        Some(OwnLines::of(count, operator, |place| self.front(place).is_some(), beside))
+        match materials.or(capacities) {
+            Some(count) => {
+                let melts = |place: usize| self.front(place).is_some();
+                KnownLines::Own(OwnLines::of(count, operator, melts, beside))
+            }
+            None if operator.which_lines(0).is_some() => KnownLines::OfOperator,
+            None => KnownLines::Nothing,
+        }
     }
 
     /// Neighbours of the particle in a place that has such [`Self::lines`], but perhaps for those of other materials, and
@@ -133,18 +155,23 @@ impl FrontFlows {
         operator: &'a O,
         near: &mut Near,
     ) -> (Entries<'a>, bool) {
-        let Some(own) = &self.own else {
-            return (operator.entries(place, near), true);
+        let (known, are_alike) = match &self.lines {
+            KnownLines::Nothing => (None, true),
+            KnownLines::OfOperator => (operator.shared_lines(lines), true),
+            KnownLines::Own(own) => (own.lines(lines), false),
         };
-        match own.lines(lines) {
+        match known {
             Some(lines) => (Entries::Lines(lines, 1.0), true),
-            None => (operator.entries(place, near), false),
+            None => (operator.entries(place, near), are_alike),
         }
     }
 
     /// Bytes that they hold, but for materials and capacities.
     pub(super) fn memory_bytes(&self) -> usize {
-        self.own.as_ref().map_or(0, OwnLines::memory_bytes)
+        match &self.lines {
+            KnownLines::Own(own) => own.memory_bytes(),
+            _ => 0,
+        }
     }
 
     /// How much the rate of `other` changes for one of `place`, with which it exchanges heat; `None` where it is of

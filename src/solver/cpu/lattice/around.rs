@@ -35,19 +35,30 @@ impl Around {
         Self { lines, inner, of_inner, counts: [nx, ny].map(Divisor::new) }
     }
 
-    /// The neighbours of a site of `scene`, with weights times a factor.
+    /// Which [`Self::lines`] go over the neighbours of a site of `scene`.
     #[inline(always)]
-    pub(super) fn entries(&self, scene: &LatticeScene, site: usize, factor: f64) -> Entries<'_> {
+    pub(super) fn which(&self, scene: &LatticeScene, site: usize) -> usize {
         let [nx, ny] = self.counts;
         let line = nx.quotient(site);
         let z = ny.quotient(line);
         let at = [site - line * nx.by, line - z * ny.by, z];
         let is_within = |([first, count], at): ([usize; 2], usize)| at.wrapping_sub(first) < count;
-        let kind = match self.inner.into_iter().zip(at).all(is_within) {
+        match self.inner.into_iter().zip(at).all(is_within) {
             true => self.of_inner,
             false => scene.kind(at),
-        };
-        Entries::Lines(&self.lines[kind], factor)
+        }
+    }
+
+    /// Those that sites share.
+    #[inline(always)]
+    pub(super) fn lines(&self) -> &[Lines] {
+        &self.lines
+    }
+
+    /// The neighbours of a site of `scene`, with weights times a factor.
+    #[inline(always)]
+    pub(super) fn entries(&self, scene: &LatticeScene, site: usize, factor: f64) -> Entries<'_> {
+        Entries::Lines(&self.lines[self.which(scene, site)], factor)
     }
 }
 

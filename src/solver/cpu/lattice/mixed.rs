@@ -95,6 +95,7 @@ impl Mixed {
 
 impl LatticeOperator for Mixed {
     const PARTS: [usize; 3] = [1 << 15, 1 << 13, 1 << 12];
+    const IS_STENCIL: bool = false;
 
     fn scene(&self) -> &LatticeScene {
         &self.scene.lattice

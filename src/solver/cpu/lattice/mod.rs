@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::enthalpy::Enthalpy;
-use super::entries::{Entries, Near};
+use super::entries::{Entries, Lines, Near};
 use super::operator::{Combine, CpuOperator, Now};
 use super::partial_step::{PartialStep, SERIAL, WholeStep};
 use super::written::Written;
@@ -38,6 +38,9 @@ pub(super) trait LatticeOperator: Send + Sync {
     /// Values of a task that are taken on together, about, in one, two and three dimensions: they and what the
     /// stencil reads stay in the fastest caches, and looking for exceptions among them costs little.
     const PARTS: [usize; 3];
+
+    /// Whether all particles have the neighbours and the weights of the stencil: no rows, no factors.
+    const IS_STENCIL: bool;
 
     fn scene(&self) -> &LatticeScene;
 
@@ -95,6 +98,11 @@ impl<L: LatticeOperator> Lattice<L> {
         Self { of, around: OnceLock::new() }
     }
 
+    #[inline(always)]
+    fn around(&self) -> &Around {
+        self.around.get_or_init(|| Around::of(self.of.scene()))
+    }
+
     /// Values of whole lines, or of a part of a line that is long: `most`, or a line at least.
     fn lines(&self, most: usize) -> usize {
         let nx = self.of.scene().counts[0];
@@ -134,12 +142,20 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
     }
 
     fn entries(&self, place: usize, near: &mut Near) -> Entries<'_> {
-        let around = self.around.get_or_init(|| Around::of(self.of.scene()));
-        self.of.entries(around, place, near)
+        self.of.entries(self.around(), place, near)
     }
 
     fn has_lines(&self) -> bool {
         true
+    }
+
+    fn which_lines(&self, place: usize) -> Option<u16> {
+        L::IS_STENCIL.then(|| self.around().which(self.of.scene(), place) as u16)
+    }
+
+    #[inline(always)]
+    fn shared_lines(&self, which: u16) -> Option<&Lines> {
+        self.around().lines().get(usize::from(which))
     }
 
     fn reach(&self) -> usize {

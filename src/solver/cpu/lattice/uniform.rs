@@ -77,6 +77,7 @@ impl Uniform {
 
 impl LatticeOperator for Uniform {
     const PARTS: [usize; 3] = [1 << 12, 1 << 10, 1 << 10];
+    const IS_STENCIL: bool = true;
 
     fn scene(&self) -> &LatticeScene {
         &self.scene
@@ -138,5 +139,35 @@ impl LatticeOperator for Uniform {
     fn memory_bytes(&self) -> usize {
         let held = size_of_val(&*self.held) + size_of_val(&*self.among_held);
         held + self.walls.memory_bytes() + self.parts.memory_bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{KernelKind, scenes};
+    use crate::solver::cpu::lattice::Lattice;
+    use crate::solver::cpu::operator::CpuOperator;
+
+    #[test]
+    fn lines_of_a_place_are_its_neighbours() {
+        for (dimension, counts) in [(1, [30, 1, 1]), (2, [9, 4, 1]), (3, [9, 8, 7]), (3, [4, 9, 3])]
+        {
+            let problem = scenes::lattice(KernelKind::CubicSpline, dimension, counts, 0.1, 2.5);
+            let scene = Arc::new(LatticeScene::of(&problem).expect("a lattice"));
+            let uniform = Uniform::new(&problem, Arc::clone(&scene), SourceRows::default());
+            let operator = Lattice::new(uniform);
+            for place in 0..problem.particles.len() {
+                let mut expected = Vec::new();
+                scene.entries(place, |other, weight| expected.push((other, weight)));
+                expected.sort_by_key(|&(other, _)| other);
+                let which = operator.which_lines(place).expect("one");
+                let mut found = Vec::new();
+                let lines = operator.shared_lines(which).expect("lines");
+                lines.for_each(place, |other, weight| found.push((other, weight)));
+                assert_eq!(found, expected, "{place} of {counts:?}");
+            }
+            assert_ne!(operator.which_lines(0), operator.which_lines(1));
+        }
     }
 }
