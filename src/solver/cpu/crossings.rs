@@ -112,8 +112,7 @@ fn add_bits<const COUNT: usize>(
 pub(super) fn any_of_short(by: impl Look, now: &[f64], out: &[f64]) -> bool {
     let mut lanes = [0; FEWER];
     let (Some(last_now), Some(last_out)) = (now.last_chunk(), out.last_chunk()) else {
-        let bits = now.iter().zip(out).map(|(now, out)| by.bits(*now, *out));
-        return bits.fold(0, |any, bits| any | bits) >> 63 != 0;
+        return now.iter().zip(out).any(|(now, out)| any_signs([by.bits(*now, *out)]));
     };
     add_bits(by, last_now, last_out, &mut lanes);
     for (now, out) in now.as_chunks().0.iter().zip(out.as_chunks().0) {

@@ -93,13 +93,12 @@ impl Flow {
     #[inline(always)]
     fn add_line<const FUSED: bool>(
         self,
-        others: &[f64; LANES],
-        weights: &[f64; LANES],
+        line: &Line<'_>,
         gain: &mut [f64; LANES],
         out: &mut [f64; LANES],
     ) {
         for x in 0..LANES {
-            self.add::<FUSED>(others[x], weights[x], &mut gain[x], &mut out[x]);
+            self.add::<FUSED>(line.potentials[x], line.weights[x], &mut gain[x], &mut out[x]);
         }
     }
 
@@ -115,7 +114,8 @@ impl Flow {
         // Added to three sums in turn, since each addition waits for the one before.
         let [mut first, mut second, mut third] = [[0.0; LANES]; 3];
         for (&ahead, weights) in lines.all() {
-            near.add::<FUSED>(self, ahead, weights, around, &mut first);
+            let potentials = around[ahead..].first_chunk().expect("a line's length");
+            near.add::<FUSED>(self, &Line { ahead, potentials, weights }, &mut first);
             [first, second, third] = [second, third, first];
         }
         for x in 0..LANES {
@@ -125,18 +125,20 @@ impl Flow {
     }
 }
 
+/// A line of neighbours.
+struct Line<'a> {
+    /// How far it begins from the first.
+    ahead: usize,
+    /// K
+    potentials: &'a [f64; LANES],
+    /// 1/s
+    weights: &'a [f64; LANES],
+}
+
 /// What is written near a particle.
 trait NearLines {
-    /// Takes what flows from a line, so far `ahead` of the first of `around`, from what is written of it, and adds it to
-    /// `gain`.
-    fn add<const FUSED: bool>(
-        &mut self,
-        flow: Flow,
-        ahead: usize,
-        weights: &[f64; LANES],
-        around: &[f64],
-        gain: &mut [f64; LANES],
-    );
+    /// Takes what flows from a line from what is written of it, and adds it to `gain`.
+    fn add<const FUSED: bool>(&mut self, flow: Flow, line: &Line<'_>, gain: &mut [f64; LANES]);
 }
 
 /// From the first to the last of all lines.
@@ -144,19 +146,9 @@ struct Whole<'a>(&'a mut [f64]);
 
 impl NearLines for Whole<'_> {
     #[inline(always)]
-    fn add<const FUSED: bool>(
-        &mut self,
-        flow: Flow,
-        ahead: usize,
-        weights: &[f64; LANES],
-        around: &[f64],
-        gain: &mut [f64; LANES],
-    ) {
-        // One length for both, so that each line is looked for once.
-        let near = &mut self.0[..around.len()];
-        let others = around[ahead..].first_chunk().expect("a line's length");
-        let line = near[ahead..].first_chunk_mut().expect("a line's length");
-        flow.add_line::<FUSED>(others, weights, gain, line);
+    fn add<const FUSED: bool>(&mut self, flow: Flow, line: &Line<'_>, gain: &mut [f64; LANES]) {
+        let out = self.0[line.ahead..].first_chunk_mut().expect("a line's length");
+        flow.add_line::<FUSED>(line, gain, out);
     }
 }
 
@@ -170,33 +162,25 @@ struct Cut<'a> {
 
 impl NearLines for Cut<'_> {
     #[inline(always)]
-    fn add<const FUSED: bool>(
-        &mut self,
-        flow: Flow,
-        ahead: usize,
-        weights: &[f64; LANES],
-        around: &[f64],
-        gain: &mut [f64; LANES],
-    ) {
-        let others = around[ahead..].first_chunk().expect("a line's length");
+    fn add<const FUSED: bool>(&mut self, flow: Flow, line: &Line<'_>, gain: &mut [f64; LANES]) {
         let (count, out) = (self.out.len(), &mut *self.out);
         // What begins before the first has wrapped around.
-        let to = self.first.wrapping_add(ahead);
-        if let Some(line) = out.get_mut(to..).and_then(<[f64]>::first_chunk_mut) {
-            flow.add_line::<FUSED>(others, weights, gain, line);
+        let to = self.first.wrapping_add(line.ahead);
+        if let Some(out) = out.get_mut(to..).and_then(<[f64]>::first_chunk_mut) {
+            flow.add_line::<FUSED>(line, gain, out);
         } else if (0..LANES).all(|x| to.wrapping_add(x) >= count) {
             if self.is_own {
-                flow.add_line::<FUSED>(others, weights, gain, &mut [0.0; LANES]);
+                flow.add_line::<FUSED>(line, gain, &mut [0.0; LANES]);
             }
         } else {
-            let mut line = [0.0; LANES];
-            for (x, line) in line.iter_mut().enumerate() {
-                *line = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
+            let mut written = [0.0; LANES];
+            for (x, written) in written.iter_mut().enumerate() {
+                *written = out.get(to.wrapping_add(x)).copied().unwrap_or(0.0);
             }
-            flow.add_line::<FUSED>(others, weights, gain, &mut line);
-            for (x, line) in line.iter().enumerate() {
+            flow.add_line::<FUSED>(line, gain, &mut written);
+            for (x, written) in written.iter().enumerate() {
                 if let Some(out) = out.get_mut(to.wrapping_add(x)) {
-                    *out = *line;
+                    *out = *written;
                 }
             }
         }
@@ -254,7 +238,9 @@ impl<O: CpuOperator + ?Sized> Work for Add<'_, O> {
                                 let whole = out.get_mut(first..first.wrapping_add(span));
                                 *gain = match whole {
                                     Some(near) => {
-                                        flow.add_lines::<FUSED>(lines, around, Whole(near))
+                                        // One length for both, so that each line is looked for once.
+                                        let near = Whole(&mut near[..around.len()]);
+                                        flow.add_lines::<FUSED>(lines, around, near)
                                     }
                                     None => {
                                         let is_own = own.contains(&place);
