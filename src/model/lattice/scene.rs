@@ -109,6 +109,12 @@ impl LatticeScene {
         self.order.as_ref().map_or(site, |order| order[site] as usize)
     }
 
+    /// The material of `problem` that is at a site, if there is a particle.
+    pub fn material(&self, problem: &Problem, site: usize) -> Option<u16> {
+        // There are fewer particles than the number of an absent one.
+        problem.particles.material.get(self.particle(site)).copied()
+    }
+
     /// The sites of particles `held`, ascending.
     pub fn held_sites(&self, held: &[u32]) -> Vec<u32> {
         let site = self.sites();

@@ -80,8 +80,16 @@ struct Pair {
     ahead: usize,
     /// The weight, 1/s.
     weight: f64,
-    /// This over the mean of the reference conductivities.
+    /// That with which a step of an enthalpy is written before seams add to it, 1/s.
+    written: f64,
+    /// The weight over the mean of the reference conductivities.
     over_mean: f64,
+}
+
+/// A neighbour of another material, with the weight of the matrix and the one that is written, 1/s.
+struct Across {
+    b: usize,
+    weights: [f64; 2],
 }
 
 /// What the particle of a row is like.
@@ -173,7 +181,14 @@ impl LocalsMut<'_> {
 impl Seams {
     /// Those of `problem`, with the place of each particle; `None` where there are none. If they are to be `on_sites` of
     /// a lattice, pairs have its distances, so that those of positions do not keep rows apart by their last digits.
-    pub fn of(problem: &Problem, place: &[u32], on_sites: bool) -> Option<Self> {
+    /// `written` is the weight (1/s) with which a step of an enthalpy has a place and a neighbour before seams add to
+    /// it, where that is not the weight of the matrix.
+    pub fn of(
+        problem: &Problem,
+        place: &[u32],
+        on_sites: bool,
+        written: impl Fn(usize, usize) -> Option<f64> + Sync,
+    ) -> Option<Self> {
         if problem.has_one_curve() {
             return None;
         }
@@ -197,7 +212,7 @@ impl Seams {
         };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
-            let mut found: Vec<(usize, Vec<(usize, f64)>)> = Vec::new();
+            let mut found: Vec<(usize, Vec<Across>)> = Vec::new();
             for cell in cells.filter(|&cell| may_meet(cell)) {
                 grid.for_each_row(
                     cell,
@@ -211,8 +226,11 @@ impl Seams {
                             let meets = of_a != of_b && !shares_curve(of_a, of_b);
                             let is_held = row.held && problem.is_held(b);
                             let by_walls = row.fold.map_or(0.0, |fold| fold.weight[k]);
-                            (meets && !is_held)
-                                .then(|| (b, weight.between(row.a, b, distance(n.dist)) + by_walls))
+                            (meets && !is_held).then(|| {
+                                let weight = weight.between(row.a, b, distance(n.dist)) + by_walls;
+                                let [at, of_b] = [row.a, b].map(|of| place[of] as usize);
+                                Across { b, weights: [weight, written(at, of_b).unwrap_or(weight)] }
+                            })
                         };
                         let pairs: Vec<_> = neighbors.iter().enumerate().filter_map(pair).collect();
                         if !pairs.is_empty() {
@@ -248,12 +266,13 @@ impl Seams {
         let mut kinds = HashMap::new();
         for (row, (a, pairs)) in (0_isize..).zip(&found) {
             let held = problem.is_held(*a).then(|| problem.capacity(*a));
-            let pair = |&(b, weight): &(usize, f64)| (row_of[&b] - row, material(b), weight);
+            let pair = |&Across { b, weights }: &Across| (row_of[&b] - row, material(b), weights);
             // At the end of a support nothing flows.
-            let with_weight = pairs.iter().map(pair).filter(|&(.., weight)| weight != 0.0);
+            let with_weight = pairs.iter().map(pair).filter(|(.., weights)| *weights != [0.0; 2]);
             let mut pairs: Vec<_> = with_weight.collect();
-            pairs.sort_unstable_by_key(|&(step, _, weight)| (step, weight.to_bits()));
-            let key = pairs.iter().map(|&(step, of_b, weight)| (step, of_b, weight.to_bits()));
+            let bits = |weights: [f64; 2]| weights.map(f64::to_bits);
+            pairs.sort_unstable_by_key(|&(step, _, weights)| (step, bits(weights)));
+            let key = pairs.iter().map(|&(step, of_b, weights)| (step, of_b, bits(weights)));
             let key = (material(*a), held.map(f64::to_bits), key.collect::<Vec<_>>());
             let kind =
                 *kinds.entry(key).or_insert_with(|| seams.add_kind(material(*a), held, &pairs));
@@ -262,16 +281,22 @@ impl Seams {
         Some(seams)
     }
 
-    /// Adds a kind, with how many rows further, material and weight (1/s) of each neighbour; rows ascend.
-    fn add_kind(&mut self, material: u16, held: Option<f64>, pairs: &[(isize, u16, f64)]) -> u32 {
+    /// Adds a kind, with how many rows further, material and weights (1/s) of each neighbour: that of the matrix and the
+    /// written one; rows ascend.
+    fn add_kind(
+        &mut self,
+        material: u16,
+        held: Option<f64>,
+        pairs: &[(isize, u16, [f64; 2])],
+    ) -> u32 {
         let conductivity = |of: u16| self.materials[usize::from(of)].conductivity;
-        let step = |pair: Option<&(isize, u16, f64)>| pair.map_or(0, |&(step, ..)| step);
+        let step = |pair: Option<&(isize, u16, [f64; 2])>| pair.map_or(0, |&(step, ..)| step);
         let (first, last) = (step(pairs.first()), step(pairs.last()));
         let begin = self.pairs.len();
-        for &(step, of_other, weight) in pairs {
+        for &(step, of_other, [weight, written]) in pairs {
             let mean = self.pair_mean.of(conductivity(material), conductivity(of_other));
-            let over_mean = weight / mean;
-            self.pairs.push(Pair { ahead: (step - first) as usize, weight, over_mean });
+            let (ahead, over_mean) = ((step - first) as usize, weight / mean);
+            self.pairs.push(Pair { ahead, weight, written, over_mean });
         }
         let (span, pairs) = ((last - first) as usize, begin..self.pairs.len());
         self.kinds.push(RowKind { material, held, first, span, pairs });
@@ -332,7 +357,17 @@ impl Seams {
         locals: &Locals,
         add: impl FnMut(usize, f64, f64),
     ) -> f64 {
-        wide::run(AddSeams { of: self, rows, locals, add })
+        wide::run(AddSeams::<_, false> { of: self, rows, locals, add })
+    }
+
+    /// As [`Self::add`] where a step of an enthalpy is written: with what that is short of.
+    pub fn add_to_step(
+        &self,
+        rows: Range<usize>,
+        locals: &Locals,
+        add: impl FnMut(usize, f64, f64),
+    ) -> f64 {
+        wide::run(AddSeams::<_, true> { of: self, rows, locals, add })
     }
 
     /// Its rows.
@@ -356,15 +391,15 @@ impl Seams {
     }
 }
 
-/// See [`Seams::add`].
-struct AddSeams<'a, A> {
+/// See [`Seams::add`], and [`Seams::add_to_step`] if it is `TO_STEP`.
+struct AddSeams<'a, A, const TO_STEP: bool> {
     of: &'a Seams,
     rows: Range<usize>,
     locals: &'a Locals,
     add: A,
 }
 
-impl<A: FnMut(usize, f64, f64)> Work for AddSeams<'_, A> {
+impl<A: FnMut(usize, f64, f64), const TO_STEP: bool> Work for AddSeams<'_, A, TO_STEP> {
     type Output = f64;
 
     #[inline(always)]
@@ -376,7 +411,7 @@ impl<A: FnMut(usize, f64, f64)> Work for AddSeams<'_, A> {
     }
 }
 
-impl<A: FnMut(usize, f64, f64)> AddSeams<'_, A> {
+impl<A: FnMut(usize, f64, f64), const TO_STEP: bool> AddSeams<'_, A, TO_STEP> {
     #[inline(always)]
     fn add<const FUSED: bool>(self, mean: impl Fn(f64, f64) -> f64) -> f64 {
         let Self { of, mut rows, locals, mut add } = self;
@@ -386,13 +421,13 @@ impl<A: FnMut(usize, f64, f64)> AddSeams<'_, A> {
             let are_alike = few.is_some_and(|few| few.iter().all(|which| which == kind));
             let (row, kind) = (rows.start, &of.kinds[*kind as usize]);
             if are_alike {
-                let rates = of.rates::<FUSED, FEW>(row, kind, locals, &mean);
+                let rates = of.rates::<FUSED, TO_STEP, FEW>(row, kind, locals, &mean);
                 for (row, rate) in (row..).zip(rates) {
                     given += of.add_one(row, kind, locals, rate, &mut add);
                 }
                 rows.start += FEW;
             } else {
-                let [rate] = of.rates::<FUSED, 1>(row, kind, locals, &mean);
+                let [rate] = of.rates::<FUSED, TO_STEP, 1>(row, kind, locals, &mean);
                 given += of.add_one(row, kind, locals, rate, &mut add);
                 rows.start += 1;
             }
@@ -404,7 +439,7 @@ impl<A: FnMut(usize, f64, f64)> AddSeams<'_, A> {
 impl Seams {
     /// What rates of the rows of one kind from `row` on are short of.
     #[inline(always)]
-    fn rates<const FUSED: bool, const COUNT: usize>(
+    fn rates<const FUSED: bool, const TO_STEP: bool, const COUNT: usize>(
         &self,
         row: usize,
         kind: &RowKind,
@@ -419,13 +454,14 @@ impl Seams {
         let start = row.wrapping_add_signed(kind.first);
         let around = all.map(|all| &all[start..start + kind.span + COUNT]);
         let mut rates = [0.0; COUNT];
-        for &Pair { ahead, weight, over_mean } in &self.pairs[kind.pairs.clone()] {
+        for &Pair { ahead, weight, written, over_mean } in &self.pairs[kind.pairs.clone()] {
+            let weight = if TO_STEP { written } else { weight };
             let [temperatures, potentials, terms] = around.map(|around| from(around, ahead));
             for x in 0..COUNT {
                 let by_heat = over_mean * mean(term[x], terms[x]);
-                let by_matrix = weight * (potentials[x] - potential[x]);
+                let known = weight * (potentials[x] - potential[x]);
                 let fall = temperatures[x] - temperature[x];
-                rates[x] += multiply_add::<FUSED>(by_heat, fall, -by_matrix);
+                rates[x] += multiply_add::<FUSED>(by_heat, fall, -known);
             }
         }
         rates

@@ -66,7 +66,8 @@ impl Enthalpy {
                 place[particle as usize - 1] = at;
             }
         }
-        let seams = Seams::of(problem, &place, operator.has_lines());
+        let written = |place: usize, other: usize| operator.written_weight(place, other);
+        let seams = Seams::of(problem, &place, operator.has_lines(), written);
         let fronts = FrontFlows::new(problem, capacities, curves.materials(), operator);
         let values = operator.by_place(&problem.initial);
         Self { values, begun: None, begun_bytes: 0, scene: HeatScene { curves, seams, fronts } }

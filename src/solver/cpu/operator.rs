@@ -150,6 +150,12 @@ pub(super) trait CpuOperator: Send + Sync {
         None
     }
 
+    /// The weight (1/s) with which [`Self::step_enthalpy`] has what flows to a place from another before seams add to it,
+    /// where that is not the weight of the matrix.
+    fn written_weight(&self, _place: usize, _other: usize) -> Option<f64> {
+        None
+    }
+
     /// How many places a neighbour is away at most, round the ends of periodic axes.
     fn reach(&self) -> usize;
 

@@ -56,7 +56,7 @@ impl<'a> SeamStep<'a> {
         self.groups.iter().map(|group| group.to_add.len()).sum()
     }
 
-    /// Adds what the matrix does not know of flows between materials to what is `written` of the next places up to
+    /// Adds what the operator has not written of flows between materials to what is `written` of the next places up to
     /// `end`, which is in `out` from place `first` on; returns what held particles gave beyond what it knows,
     /// value x capacity / s.
     pub(super) fn add(
@@ -70,7 +70,7 @@ impl<'a> SeamStep<'a> {
         for group in &mut self.groups {
             let rows = take_below(self.seams.places(), &mut group.to_add, end);
             let combine = written.of(usize::from(group.material));
-            given += self.seams.add(rows, self.locals, |place, potential, rate| {
+            given += self.seams.add_to_step(rows, self.locals, |place, potential, rate| {
                 out[place - first] += combine.factor(potential) * rate;
             });
         }
@@ -174,7 +174,7 @@ mod tests {
         let count = problem.particles.len();
         problem.particles.material = (0..count).map(|place| (place % 8 / 3) as u16).collect();
         let places: Vec<u32> = (0..count as u32).collect();
-        let seams = Seams::of(&problem, &places, true).expect("materials meet");
+        let seams = Seams::of(&problem, &places, true, |_, _| None).expect("materials meet");
         // Solid, melting and liquid, in turn.
         let enthalpy = |place: usize| 350.0 + ((place * 61) % 350) as f64;
         for SeamGroup { material, rows } in seams.groups() {

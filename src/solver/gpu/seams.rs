@@ -49,7 +49,7 @@ impl DeviceSeams {
         reference_step: f64,
         passes: SeamPasses,
     ) -> Result<Option<Self>, GpuError> {
-        let Some(seams) = Seams::of(problem, place, false) else {
+        let Some(seams) = Seams::of(problem, place, false, |_, _| None) else {
             return Ok(None);
         };
         let scale = 1.0 / curves.largest_reference();

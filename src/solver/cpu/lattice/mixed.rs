@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::around::Around;
+use super::beside_seams::BesideSeams;
 use super::kernel::{Run, Scratch, Seen};
 use super::parts::Parts;
 use super::shared_rows::SharedRows;
@@ -23,12 +24,14 @@ const GAP: usize = 128;
 /// A scene with rows where its stencil does not hold.
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
-    /// Of what the stencil describes, and of the rest.
+    /// Of what the stencil writes, and of all rows.
     parts: Parts,
     row_parts: Parts,
     rows: SomeRows,
     /// Those that were among them and share lines.
     shared: SharedRows,
+    /// Those of these that are the stencil's but for pairs at [seams](crate::model::operator::Seams).
+    at_seams: SharedRows,
 }
 
 impl Mixed {
@@ -37,15 +40,24 @@ impl Mixed {
         scene: Arc<MixedScene>,
         mut rows: SomeRows,
     ) -> Self {
-        let [parts, row_parts] = match problem.has_one_curve() {
-            true => [&scene.ratios[..], &[]].map(Parts::of_factors),
-            false => {
-                let ratio = |material: &Material| scene.ratio(material);
-                Parts::of_materials(problem, &scene.lattice, ratio, rows.rank())
-            }
-        };
-        let shared = SharedRows::take_from(&mut rows, scene.lattice.counts.iter().product());
-        Self { scene, parts, row_parts, rows, shared }
+        let sites = scene.lattice.counts.iter().product();
+        let all_rows: Vec<u32> = rows.rank().to_vec();
+        let mut shared = SharedRows::take_from(&mut rows, sites);
+        if problem.has_one_curve() {
+            let [parts, row_parts] = [&scene.ratios[..], &[]].map(Parts::of_factors);
+            let at_seams = SharedRows::default();
+            return Self { scene, parts, row_parts, rows, shared, at_seams };
+        }
+        let stencil = BesideSeams::of(problem, &scene);
+        let at_seams = shared.take_out(|site, row| stencil.has(site, row));
+        let mut is_by_stencil = vec![true; sites];
+        all_rows.iter().for_each(|&site| is_by_stencil[site as usize] = false);
+        at_seams.sites().iter().for_each(|&site| is_by_stencil[site as usize] = true);
+        let by_stencil = (0..).zip(is_by_stencil).filter_map(|(site, is)| is.then_some(site));
+        let ratio = |material: &Material| scene.ratio(material);
+        let parts = Parts::of_materials(problem, &scene.lattice, ratio, by_stencil);
+        let row_parts = Parts::of_materials(problem, &scene.lattice, ratio, all_rows.into_iter());
+        Self { scene, parts, row_parts, rows, shared, at_seams }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -55,7 +67,7 @@ impl Mixed {
         absent[next..].iter().map(|range| range.start as usize..range.end as usize)
     }
 
-    /// Writes what the stencil does not describe at `sites`; returns what held particles gave.
+    /// Writes what the stencil does not describe at `sites`, but for rows at seams; returns what held particles gave.
     fn rest(
         &self,
         seen: &mut Seen,
@@ -81,15 +93,29 @@ impl Mixed {
                     parts.next(site).written(written).factor(now.values[site]) * rate;
             }
         }
-        let mut parts = self.row_parts.from(sites.start, &mut seen.row_parts);
-        self.shared.rates(sites, &mut seen.shared, now.values, |site, rate| {
-            out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
-        });
+        let Seen { shared, row_parts, .. } = seen;
+        self.write_rows(&self.shared, [shared, row_parts], now, sites, out, written);
         let mut parts = self.row_parts.from(sites.start, &mut seen.row_parts);
         self.rows.rates(sites, &mut seen.rows, now.values, source, |site, rate| {
             out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
         });
         -self.rows.held_rate(sites, &mut seen.held, now.values)
+    }
+
+    /// Writes some rows that share lines at `sites`, where they and parts are looked for from `near` on.
+    fn write_rows(
+        &self,
+        rows: &SharedRows,
+        [near, near_parts]: [&mut usize; 2],
+        now: &Now<'_>,
+        sites: &Range<usize>,
+        out: &mut [f64],
+        written: Written<'_>,
+    ) {
+        let mut parts = self.row_parts.from(sites.start, near_parts);
+        rows.rates(sites, near, now.values, |site, rate| {
+            out[site - sites.start] = parts.next(site).written(written).of(now.values[site], rate);
+        });
     }
 }
 
@@ -110,7 +136,8 @@ impl LatticeOperator for Mixed {
     }
 
     fn entries<'a>(&'a self, around: &'a Around, site: usize, near: &mut Near) -> Entries<'a> {
-        if let Some(lines) = self.shared.at(site, &mut near.shared) {
+        let at_seam = self.at_seams.at(site, &mut near.at_seams);
+        if let Some(lines) = at_seam.or_else(|| self.shared.at(site, &mut near.shared)) {
             return Entries::Lines(lines, 1.0);
         }
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
@@ -143,6 +170,22 @@ impl LatticeOperator for Mixed {
         out: &mut [f64],
         written: Written<'_>,
     ) -> f64 {
+        let given = self.advance_to_seams(scratch, now, first, out, written);
+        let (sites, Seen { at_seams, row_parts, .. }) =
+            (first..first + out.len(), &mut scratch.seen);
+        self.write_rows(&self.at_seams, [at_seams, row_parts], now, &sites, out, written);
+        given
+    }
+
+    /// Leaves rows at seams as the stencil writes them.
+    fn advance_to_seams(
+        &self,
+        scratch: &mut Scratch,
+        now: &Now<'_>,
+        first: usize,
+        out: &mut [f64],
+        written: Written<'_>,
+    ) -> f64 {
         let end = first + out.len();
         // Empty sites keep the 0 that they start with.
         for Range { mut start, end } in self.present(first..end) {
@@ -154,6 +197,18 @@ impl LatticeOperator for Mixed {
             }
         }
         self.rest(&mut scratch.seen, now, &(first..end), out, written)
+    }
+
+    fn written_weight(&self, around: &Around, site: usize, other: usize) -> Option<f64> {
+        self.at_seams.at(site, &mut 0)?;
+        let (scene, factor) = (&self.scene.lattice, self.parts.at(site, &mut 0).factor);
+        let mut written = 0.0;
+        around.lines()[around.which(scene, site)].for_each(site, |neighbor, weight| {
+            if neighbor == other {
+                written = factor * weight;
+            }
+        });
+        Some(written)
     }
 
     fn has_particle(&self, site: usize) -> bool {
@@ -181,13 +236,17 @@ impl LatticeOperator for Mixed {
         for (&site, linear) in sources.rank().iter().zip(sources.linear()) {
             diagonal[site as usize] += linear;
         }
-        self.shared.diagonals(|site, d| diagonal[site] = d);
+        for rows in [&self.shared, &self.at_seams] {
+            rows.diagonals(|site, d| diagonal[site] = d);
+        }
         self.rows.diagonals(|site, d| diagonal[site] = d);
         diagonal
     }
 
     fn memory_bytes(&self) -> usize {
-        let rows = self.rows.memory_bytes() + self.shared.memory_bytes();
+        let shared = [&self.shared, &self.at_seams].map(SharedRows::memory_bytes);
+        let shared = shared.iter().sum::<usize>() + self.shared.bytes_of_lines();
+        let rows = self.rows.memory_bytes() + shared;
         rows + self.parts.memory_bytes() + self.row_parts.memory_bytes() + self.scene.memory_bytes()
     }
 }

@@ -1,6 +1,7 @@
 //! Lattices as an operator: a stencil, and nothing more but for the rows that need it. Places are sites.
 
 mod around;
+mod beside_seams;
 mod kernel;
 mod mixed;
 mod parts;
@@ -65,6 +66,24 @@ pub(super) trait LatticeOperator: Send + Sync {
         out: &mut [f64],
         written: Written<'_>,
     ) -> f64;
+
+    /// The same in an enthalpy's step: a pair at a seam may have the stencil's weight for that of the matrix, which
+    /// [`Self::written_weight`] tells then.
+    fn advance_to_seams(
+        &self,
+        scratch: &mut Scratch,
+        now: &Now<'_>,
+        first: usize,
+        out: &mut [f64],
+        written: Written<'_>,
+    ) -> f64 {
+        self.advance(scratch, now, first, out, written)
+    }
+
+    /// As [`CpuOperator::written_weight`], where the stencil has what is `around`.
+    fn written_weight(&self, _around: &Around, _site: usize, _other: usize) -> Option<f64> {
+        None
+    }
 
     /// The parts of `sites` that are worked on, ascending: there are particles nowhere else.
     fn present(&self, sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
@@ -158,6 +177,10 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         self.around().lines().get(usize::from(which))
     }
 
+    fn written_weight(&self, place: usize, other: usize) -> Option<f64> {
+        self.of.written_weight(self.around(), place, other)
+    }
+
     fn reach(&self) -> usize {
         self.of.scene().longest_step()
     }
@@ -202,7 +225,7 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
                 let next = (known + part).min(out.len());
                 step.fetch(next - known);
                 let of_part = &mut out[known..next];
-                let given = self.of.advance(scratch, now, first + known, of_part, written);
+                let given = self.of.advance_to_seams(scratch, now, first + known, of_part, written);
                 step.take_on(out, next, given);
             }
         };

@@ -41,32 +41,25 @@ impl Parts {
         Self::of(whole.into_iter().chain(factors.iter().map(kind)))
     }
 
-    /// Those of a lattice with the particles of `problem`, of several curves, whose materials have factors: of the sites
-    /// that are not among some `rows` (ascending), and of these. A stencil goes through a part at once, and what is at
-    /// rows does not count there.
+    /// Those of some `sites` (ascending) of a lattice with the particles of `problem`, of several curves, whose materials
+    /// have factors. A stencil goes through a part at once, and what is at other sites does not count there.
     pub(super) fn of_materials(
         problem: &Problem,
         scene: &LatticeScene,
         factor: impl Fn(&Material) -> f64,
-        rows: &[u32],
-    ) -> [Self; 2] {
+        sites: impl Iterator<Item = u32>,
+    ) -> Self {
         let kinds = problem.materials.iter().zip(0..);
         let kinds: Vec<PartKind> =
             kinds.map(|(material, curve)| PartKind { factor: factor(material), curve }).collect();
-        let numbers = problem.particles.material.iter().map(|&m| 1.0 + f64::from(m));
-        let of_site = scene.by_site(&numbers.collect::<Vec<_>>());
-        let mut rows = rows.iter().peekable();
-        let is_row: Vec<bool> =
-            (0..of_site.len() as u32).map(|site| rows.next_if_eq(&&site).is_some()).collect();
-        [false, true].map(|of_rows| {
-            let sites = (0..).zip(of_site.iter().zip(&is_row));
-            let there = sites.filter(|(_, (number, is_row))| **number > 0.0 && **is_row == of_rows);
-            let parts = there.map(|(site, (&number, _))| (site, kinds[number as usize - 1]));
-            let mut parts = parts.peekable();
-            // All others are taken to be like those before them.
-            let first = parts.peek().map_or(kinds[0], |&(_, kind)| kind);
-            Self::of([(0, first)].into_iter().chain(parts))
-        })
+        let part = |site: u32| {
+            let material = scene.material(problem, site as usize)?;
+            Some((site, kinds[usize::from(material)]))
+        };
+        let mut parts = sites.filter_map(part).peekable();
+        // All others are taken to be like those before them.
+        let first = parts.peek().map_or(kinds[0], |&(_, kind)| kind);
+        Self::of([(0, first)].into_iter().chain(parts))
     }
 
     /// Those of sites that ascend, with which kind there is from each on.
@@ -219,8 +212,9 @@ mod tests {
         let ratio = |material: &Material| scene.ratio(material);
         let order = scene.lattice.order.as_ref().expect("holes");
         for rows in [vec![], vec![3, 5, 30, 31, 32, 90]] {
-            let parts = Parts::of_materials(&problem, &scene.lattice, ratio, &rows);
-            for (of_rows, parts) in [false, true].into_iter().zip(parts) {
+            for of_rows in [false, true] {
+                let sites = (0..order.len() as u32).filter(|site| rows.contains(site) == of_rows);
+                let parts = Parts::of_materials(&problem, &scene.lattice, ratio, sites);
                 assert!(parts.kinds.len() <= 3 && parts.starts[0].0 == 0);
                 let (mut rest, mut found) = (parts.from(0, &mut 0), 0);
                 for (site, &particle) in order.iter().enumerate() {
@@ -242,9 +236,9 @@ mod tests {
                 assert_eq!(found, if of_rows { rows.len() } else { count - rows.len() });
             }
         }
-        // Where all is rows but the ends, the stencil has two parts.
-        let rows: Vec<u32> = (4..140).collect();
-        let [stencil, _] = Parts::of_materials(&problem, &scene.lattice, ratio, &rows);
-        assert_eq!(stencil.starts.len(), 2);
+        // Of both ends alone there are two.
+        let ends = (0..4).chain(140..order.len() as u32);
+        let parts = Parts::of_materials(&problem, &scene.lattice, ratio, ends);
+        assert_eq!(parts.starts.len(), 2);
     }
 }

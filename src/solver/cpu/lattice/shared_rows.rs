@@ -1,6 +1,7 @@
 //! Rows of a lattice whose neighbours are as far away as those of others, with the same weights: only these are stored.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -10,12 +11,13 @@ use crate::solver::cpu::entries::{LANES, Lines};
 use crate::solver::cpu::shared_lines::LinesFinder;
 
 /// The rows of some sites, to which neither walls nor sources add anything.
+#[derive(Clone, Default)]
 pub(super) struct SharedRows {
     /// Ascending.
     sites: Vec<u32>,
     /// By row: which of the lines it is.
     which: Vec<u16>,
-    lines: Vec<Lines>,
+    lines: Arc<[Lines]>,
 }
 
 impl SharedRows {
@@ -48,7 +50,30 @@ impl SharedRows {
         rows.remove(&sites);
         sites.shrink_to_fit();
         which.shrink_to_fit();
-        Self { sites, which, lines: finder.lines() }
+        Self { sites, which, lines: finder.lines().into() }
+    }
+
+    /// Where they are, ascending.
+    pub(super) fn sites(&self) -> &[u32] {
+        &self.sites
+    }
+
+    /// Takes those out of which it `is_so`, by site and lines.
+    pub(super) fn take_out(&mut self, is_so: impl Fn(usize, &Lines) -> bool + Sync) -> Self {
+        let rows = self.sites.par_iter().zip(&self.which);
+        let is_out: Vec<bool> = rows
+            .map(|(&site, &which)| is_so(site as usize, &self.lines[usize::from(which)]))
+            .collect();
+        let part = |is_in: bool| {
+            let rows = self.sites.iter().zip(&self.which).zip(&is_out);
+            let rows =
+                rows.filter(|(_, is_out)| **is_out == is_in).map(|((&site, &of), _)| (site, of));
+            let (sites, which) = rows.unzip();
+            Self { sites, which, lines: Arc::clone(&self.lines) }
+        };
+        let [rest, out] = [false, true].map(part);
+        *self = rest;
+        out
     }
 
     /// Calls `write(site, rate)` for each of those in `sites`. They are looked for from `near` on, which becomes the
@@ -84,9 +109,14 @@ impl SharedRows {
         }
     }
 
-    /// Bytes that they hold.
+    /// Bytes that they hold, but for lines.
     pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.sites) + size_of_val(&*self.which) + Lines::all_bytes(&self.lines)
+        size_of_val(&*self.sites) + size_of_val(&*self.which)
+    }
+
+    /// Bytes of lines, which those that were [taken out](Self::take_out) have too.
+    pub(super) fn bytes_of_lines(&self) -> usize {
+        Lines::all_bytes(&self.lines)
     }
 }
 
@@ -184,6 +214,21 @@ mod tests {
                 assert!(rest.entries_of(site, &mut 0).is_none());
             }
             assert!(shared.at(3, &mut 0).is_none(), "held");
+            let mut odd = shared.clone();
+            let even = odd.take_out(|site, lines| {
+                assert!(std::ptr::eq(lines, shared.at(site, &mut 0).expect("a row")));
+                site.is_multiple_of(2)
+            });
+            for &site in shared.sites() {
+                let site = site as usize;
+                let found = [&even, &odd].map(|rows| rows.at(site, &mut 0));
+                let expected = shared.at(site, &mut 0);
+                assert_eq!(
+                    found,
+                    if site.is_multiple_of(2) { [expected, None] } else { [None, expected] }
+                );
+            }
+            assert_eq!(even.sites().len() + odd.sites().len(), shared.sites().len());
             // Of lines that would end behind the last site nothing is shared.
             let at_end = |site: usize| {
                 all.entries_of(site, &mut 0)

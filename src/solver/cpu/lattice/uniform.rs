@@ -41,8 +41,8 @@ impl Uniform {
         let parts = match problem.has_one_curve() {
             true => Parts::of_factors(&[]),
             false => {
-                let [parts, _] = Parts::of_materials(problem, &scene, |_| 1.0, &[]);
-                parts
+                let all = 0..problem.particles.len() as u32;
+                Parts::of_materials(problem, &scene, |_| 1.0, all)
             }
         };
         Self { scene, capacity, held, among_held, walls: walls.beside_stencil(&[]), parts }
