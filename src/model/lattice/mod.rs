@@ -1,5 +1,6 @@
 //! Sums over the infinite lattice, and scenes on a box lattice, filled or not.
 
+mod beside_seams;
 mod edge;
 mod mixed;
 mod regular;

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::LatticeOperator;
 use super::around::Around;
-use super::beside_seams::BesideSeams;
 use super::kernel::{Run, Scratch, Seen};
 use super::parts::Parts;
 use super::shared_rows::SharedRows;
@@ -42,14 +41,13 @@ impl Mixed {
     ) -> Self {
         let sites = scene.lattice.counts.iter().product();
         let all_rows: Vec<u32> = rows.rank().to_vec();
+        let beside_seams = scene.beside_seams(problem, &rows, f64::INFINITY);
         let mut shared = SharedRows::take_from(&mut rows, sites);
+        let at_seams = shared.take_out(&beside_seams);
         if problem.has_one_curve() {
             let [parts, row_parts] = [&scene.ratios[..], &[]].map(Parts::of_factors);
-            let at_seams = SharedRows::default();
             return Self { scene, parts, row_parts, rows, shared, at_seams };
         }
-        let stencil = BesideSeams::of(problem, &scene);
-        let at_seams = shared.take_out(|site, row| stencil.has(site, row));
         let mut is_by_stencil = vec![true; sites];
         all_rows.iter().for_each(|&site| is_by_stencil[site as usize] = false);
         at_seams.sites().iter().for_each(|&site| is_by_stencil[site as usize] = true);
@@ -250,3 +248,7 @@ impl LatticeOperator for Mixed {
         rows + self.parts.memory_bytes() + self.row_parts.memory_bytes() + self.scene.memory_bytes()
     }
 }
+
+#[cfg(test)]
+#[path = "mixed_tests.rs"]
+mod tests;

@@ -1,7 +1,6 @@
 //! Lattices as an operator: a stencil, and nothing more but for the rows that need it. Places are sites.
 
 mod around;
-mod beside_seams;
 mod kernel;
 mod mixed;
 mod parts;

@@ -11,7 +11,7 @@ use crate::solver::cpu::entries::{LANES, Lines};
 use crate::solver::cpu::shared_lines::LinesFinder;
 
 /// The rows of some sites, to which neither walls nor sources add anything.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub(super) struct SharedRows {
     /// Ascending.
     sites: Vec<u32>,
@@ -58,21 +58,20 @@ impl SharedRows {
         &self.sites
     }
 
-    /// Takes those out of which it `is_so`, by site and lines.
-    pub(super) fn take_out(&mut self, is_so: impl Fn(usize, &Lines) -> bool + Sync) -> Self {
-        let rows = self.sites.par_iter().zip(&self.which);
-        let is_out: Vec<bool> = rows
-            .map(|(&site, &which)| is_so(site as usize, &self.lines[usize::from(which)]))
-            .collect();
-        let part = |is_in: bool| {
-            let rows = self.sites.iter().zip(&self.which).zip(&is_out);
-            let rows =
-                rows.filter(|(_, is_out)| **is_out == is_in).map(|((&site, &of), _)| (site, of));
-            let (sites, which) = rows.unzip();
+    /// Takes those at some sites (ascending) out.
+    pub(super) fn take_out(&mut self, sites: &[u32]) -> Self {
+        let mut rest = sites.iter().peekable();
+        let rows: Vec<(u32, u16)> =
+            self.sites.iter().copied().zip(self.which.iter().copied()).collect();
+        let (out, left): (Vec<_>, Vec<_>) = rows.into_iter().partition(|(site, _)| {
+            while rest.next_if(|other| *other < site).is_some() {}
+            rest.next_if_eq(&site).is_some()
+        });
+        let [left, out] = [left, out].map(|rows| {
+            let (sites, which) = rows.into_iter().unzip();
             Self { sites, which, lines: Arc::clone(&self.lines) }
-        };
-        let [rest, out] = [false, true].map(part);
-        *self = rest;
+        });
+        *self = left;
         out
     }
 
@@ -215,10 +214,8 @@ mod tests {
             }
             assert!(shared.at(3, &mut 0).is_none(), "held");
             let mut odd = shared.clone();
-            let even = odd.take_out(|site, lines| {
-                assert!(std::ptr::eq(lines, shared.at(site, &mut 0).expect("a row")));
-                site.is_multiple_of(2)
-            });
+            // Some of them have no such row.
+            let even = odd.take_out(&(0..count as u32).step_by(2).collect::<Vec<_>>());
             for &site in shared.sites() {
                 let site = site as usize;
                 let found = [&even, &odd].map(|rows| rows.at(site, &mut 0));
