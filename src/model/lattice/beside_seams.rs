@@ -36,11 +36,15 @@ impl MixedScene {
         weights.map(|(_, weight)| weight).sum()
     }
 
+    /// The factor of the stencil at a site with a particle.
+    pub fn factor(&self, problem: &Problem, site: usize) -> f64 {
+        let material = self.lattice.material(problem, site).expect("a particle");
+        self.ratio(&problem.materials[usize::from(material)])
+    }
+
     /// The neighbours in the stencil of a site with a particle, and their weights, 1/s.
     fn stencil(&self, problem: &Problem, site: usize) -> Vec<(usize, f64)> {
-        let material = self.lattice.material(problem, site).expect("a particle");
-        let (ratio, mut entries) =
-            (self.ratio(&problem.materials[usize::from(material)]), Vec::new());
+        let (ratio, mut entries) = (self.factor(problem, site), Vec::new());
         self.lattice.entries(site, |other, weight| entries.push((other, ratio * weight)));
         // At the end of a support nothing flows.
         entries.retain(|&(_, weight)| weight != 0.0);

@@ -47,8 +47,9 @@ pub struct Seam {
     pub place: u32,
     /// Its material.
     pub material: u16,
-    /// Place and material of each of these neighbours, and the weight of the pair, 1/s.
-    pub pairs: Vec<(u32, u16, f64)>,
+    /// Place and material of each of these neighbours, the weight of the pair, and that with which a step of an enthalpy
+    /// has it before, 1/s.
+    pub pairs: Vec<(u32, u16, [f64; 2])>,
 }
 
 /// The rows of particles of one material.
@@ -375,9 +376,9 @@ impl Seams {
         (0..self.rows.len()).map(|row| {
             let kind = self.kind(row);
             let first = row.wrapping_add_signed(kind.first);
-            let pair = |&Pair { ahead, weight, .. }: &Pair| {
+            let pair = |&Pair { ahead, weight, written, .. }: &Pair| {
                 let other = first + ahead;
-                (self.places[other], self.kind(other).material, weight)
+                (self.places[other], self.kind(other).material, [weight, written])
             };
             let pairs = self.pairs[kind.pairs.clone()].iter().map(pair).collect();
             Seam { place: self.places[row], material: kind.material, pairs }

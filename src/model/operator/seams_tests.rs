@@ -75,7 +75,7 @@ fn what_is_added_is_the_flow_of_heat_without_that_of_potentials() {
         let (mut expected, mut given) = (HashMap::new(), 0.0);
         for (row, Seam { place, material, pairs }) in seams.rows().enumerate() {
             let mut rate = 0.0;
-            for (other, other_material, weight) in pairs {
+            for (other, other_material, [weight, _]) in pairs {
                 assert_ne!(material, other_material);
                 let other = row_of[&other];
                 let conductivity = |row: usize| match pair_mean {

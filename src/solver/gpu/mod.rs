@@ -32,7 +32,7 @@ use super::{Precision, SolverError};
 use crate::gpu::{Buffer, Device, GpuError};
 use crate::model::lattice::{ABSENT, LatticeScene, MixedScene};
 use crate::model::neighbors::CellLayout;
-use crate::model::operator::{SomeRows, SourceRows};
+use crate::model::operator::{Seams, SomeRows, SourceRows};
 use crate::model::{Material, Problem};
 
 use curve_passes::{HeldIn, SeamPasses};
@@ -54,6 +54,10 @@ use steps::{Heat, Steps};
 pub use vector::GpuVector;
 use vector::{Capacities, Tools, VectorScene};
 use walls::{WallSlots, Walls};
+
+/// A stencil that has at most so many times the weight of a pair at a seam may write it for a row: what it writes is
+/// taken out again, and so large a part of the flow is rounded twice.
+const MOST_OF_WEIGHT: f64 = 2.0;
 
 /// What has to be in one buffer.
 const STATE_OF_SEVERAL: &str =
@@ -203,7 +207,10 @@ impl GpuBackend {
                     place[particle as usize] = k;
                 }
                 let passes = seam_passes(problem, options, &rows, HeldIn::Rows);
-                DeviceSeams::new(device, problem, curves, &place, &rows, scaling.step, passes)?
+                let seams = Seams::of(problem, &place, false, |_, _| None).map(|seams| {
+                    DeviceSeams::new(device, problem, curves, &seams, &rows, scaling.step, passes)
+                });
+                seams.transpose()?
             }
             None => None,
         };
@@ -241,7 +248,7 @@ impl GpuBackend {
         let held = scene.held_sites(&problem.held);
         let among_held = scene.rates_among_held(&held, &problem.potentials(&problem.initial));
         let walls = walls.beside_stencil(&[]);
-        let beside = Beside { held: &held, walls: &walls, mixed: None };
+        let beside = Beside { held: &held, walls: &walls, mixed: None, beside_seams: &[] };
         Self::on_sites(problem, scene, beside, &among_held, step, device, options)
     }
 
@@ -262,7 +269,11 @@ impl GpuBackend {
         let step = reference_step(problem, dt, diffusivity);
         let held = rows.held_rank();
         let walls = rows.sources().clone().beside_stencil(rows.rank());
-        let beside = Beside { held, walls: &walls, mixed: Some((scene, rows)) };
+        let beside_seams = scene.beside_seams(problem, rows, MOST_OF_WEIGHT).into_iter();
+        let with_factor = |site| (site, scene.factor(problem, site as usize));
+        let beside_seams: Vec<(u32, f64)> = beside_seams.map(with_factor).collect();
+        let mixed = Some((scene, rows));
+        let beside = Beside { held, walls: &walls, mixed, beside_seams: &beside_seams };
         // The rows of held particles are without what these give each other.
         let among_held = vec![0.0; held.len()];
         Self::on_sites(problem, &scene.lattice, beside, &among_held, step, device, options)
@@ -281,7 +292,7 @@ impl GpuBackend {
     ) -> Result<Self, SolverError> {
         let real = options.precision.real();
         device.require(real)?;
-        let Beside { held, walls, .. } = beside;
+        let Beside { held, walls, mixed, beside_seams } = beside;
         let operator =
             Operator::Lattice(Box::new(Lattice::new(device, scene, beside, reference, options)?));
         let capacity = |site: u32| problem.capacity(scene.particle(site as usize));
@@ -311,7 +322,15 @@ impl GpuBackend {
                 let particles = 0..problem.particles.len() as u32;
                 let place: Vec<u32> = particles.map(scene.sites()).collect();
                 let passes = seam_passes(problem, options, held, HeldIn::Lattice);
-                DeviceSeams::new(device, problem, curves, &place, held, reference, passes)?
+                let written = |site: usize, other: usize| {
+                    let (scene, _) = mixed?;
+                    beside_seams.binary_search_by_key(&(site as u32), |&(site, _)| site).ok()?;
+                    Some(scene.stencil_weight(problem, site, other))
+                };
+                let seams = Seams::of(problem, &place, false, written).map(|seams| {
+                    DeviceSeams::new(device, problem, curves, &seams, held, reference, passes)
+                });
+                seams.transpose()?
             }
             None => None,
         };

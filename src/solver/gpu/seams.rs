@@ -20,8 +20,11 @@ pub(super) struct DeviceSeams {
     of_segments: Buffer,
     /// Temperatures of phases, where potentials tell enthalpies.
     of_phases: Option<Buffer>,
-    /// Rows, pairs and their weights.
-    rows: [Buffer; 3],
+    /// Rows and pairs.
+    rows: [Buffer; 2],
+    /// Weights of pairs, and those that a step of enthalpies has before this, where they differ.
+    weights: Buffer,
+    written: Option<Buffer>,
 }
 
 /// What a pass over the rows reads and writes.
@@ -38,29 +41,29 @@ pub(super) struct SeamFields<'a> {
 }
 
 impl DeviceSeams {
-    /// The seams of `problem`, whose particles follow `curves` and have each its `place`, of which `held` (ascending)
-    /// are held; weights are relative to `reference_step` (s). `None` where there are none.
+    /// The `seams` of `problem`, whose particles follow `curves` and of which those in the places `held` (ascending) are
+    /// held; weights are relative to `reference_step` (s).
     pub(super) fn new(
         device: &Device,
         problem: &Problem,
         curves: &Curves,
-        place: &[u32],
+        seams: &Seams,
         held: &[u32],
         reference_step: f64,
         passes: SeamPasses,
-    ) -> Result<Option<Self>, GpuError> {
-        let Some(seams) = Seams::of(problem, place, false, |_, _| None) else {
-            return Ok(None);
-        };
+    ) -> Result<Self, GpuError> {
         let scale = 1.0 / curves.largest_reference();
-        let (mut rows, mut others, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut rows, mut others, mut weights) =
+            (Vec::new(), Vec::new(), [(); 2].map(|()| Vec::new()));
         for row in seams.rows() {
             let first = others.len() as u32;
-            for &(other, material, weight) in &row.pairs {
+            for &(other, material, [weight, written]) in &row.pairs {
                 let of = |m: u16| scale * problem.materials[usize::from(m)].conductivity;
                 let mean = problem.pair_mean.of(of(row.material), of(material));
                 others.push(other);
-                weights.extend([reference_step * weight, reference_step * weight / mean]);
+                for (weights, before) in weights.iter_mut().zip([weight, written]) {
+                    weights.extend([reference_step * before, reference_step * weight / mean]);
+                }
             }
             let among_held = held.binary_search(&row.place).map_or(NO_SLOT, |k| k as u32);
             rows.push([row.place, first, others.len() as u32, among_held]);
@@ -72,7 +75,9 @@ impl DeviceSeams {
             let of_curve = |curve: &HeatCurve| temperatures_of_phases(curve, scale);
             table("temperatures of phases", curves.list().iter().flat_map(of_curve).collect())
         });
-        Ok(Some(Self {
+        let [of_matrix, written] = weights;
+        let written = (written != of_matrix).then(|| table("written weights of seams", written));
+        Ok(Self {
             passes,
             count: rows.len() as u64,
             of_segments: table("temperatures of curves", of_segments)?,
@@ -80,9 +85,10 @@ impl DeviceSeams {
             rows: [
                 device.storage_with("rows of seams", bytemuck::cast_slice(&rows))?,
                 device.storage_with("pairs of seams", bytemuck::cast_slice(&others))?,
-                table("weights of seams", weights)?,
             ],
-        }))
+            weights: table("weights of seams", of_matrix)?,
+            written: written.transpose()?,
+        })
     }
 
     /// Adds to a step of enthalpies what the matrix is short of, from potentials before it to those after it; held
@@ -99,18 +105,20 @@ impl DeviceSeams {
         let exchange = exchange.filter(|_| self.passes.has_held());
         let fields = SeamFields { step_size, enthalpy, from, after };
         let content_after = &enthalpy.parts(1 - from)[0];
+        let weights = self.written.as_ref().unwrap_or(&self.weights);
         if let (Some(of_phases), Some(phases)) = (&self.of_phases, enthalpy.phase_table()) {
             let noted = heat.noted_in(Listed::Near);
             let source = self.passes.step_of_told(noted.is_some());
             // Which material each place has is the second of the buffers of curves.
             let tables = [&enthalpy.curve()[1], of_phases];
             let more = [before, phases].into_iter().chain(noted.into_iter().flatten());
-            self.pass_with(device, &source, tables, fields, more.chain(exchange))
+            self.pass_with(device, &source, tables, weights, fields, more.chain(exchange))
         } else {
             let noted = heat.noted_in(Listed::Melting);
             let source = self.passes.step(noted.is_some());
+            let tables = self.of_curves(enthalpy);
             let more = std::iter::once(content_after).chain(noted.into_iter().flatten());
-            self.pass(device, &source, fields, more.chain(exchange))
+            self.pass_with(device, &source, tables, weights, fields, more.chain(exchange))
         }
     }
 
@@ -154,8 +162,12 @@ impl DeviceSeams {
         fields: SeamFields<'a>,
         more: impl IntoIterator<Item = &'a Buffer>,
     ) -> Result<Pass, GpuError> {
-        let tables = fields.enthalpy.curve().iter().chain([&self.of_segments]);
-        self.pass_with(device, source, tables, fields, more)
+        let tables = self.of_curves(fields.enthalpy);
+        self.pass_with(device, source, tables, &self.weights, fields, more)
+    }
+
+    fn of_curves<'a>(&'a self, enthalpy: &'a Enthalpy) -> impl Iterator<Item = &'a Buffer> {
+        enthalpy.curve().iter().chain([&self.of_segments])
     }
 
     fn pass_with<'a>(
@@ -163,13 +175,14 @@ impl DeviceSeams {
         device: &Device,
         source: &PassSource,
         tables: impl IntoIterator<Item = &'a Buffer>,
+        weights: &'a Buffer,
         fields: SeamFields<'a>,
         more: impl IntoIterator<Item = &'a Buffer>,
     ) -> Result<Pass, GpuError> {
         let SeamFields { step_size, enthalpy, from, after } = fields;
         let mut buffers = vec![step_size];
         buffers.extend(tables);
-        buffers.extend(&self.rows);
+        buffers.extend(self.rows.iter().chain([weights]));
         // Only a state in one part has several curves.
         buffers.extend([&enthalpy.parts(from)[0], after]);
         buffers.extend(more);
@@ -178,8 +191,8 @@ impl DeviceSeams {
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
-        let tables = [&self.of_segments].into_iter().chain(&self.of_phases);
-        tables.chain(&self.rows).map(Buffer::bytes).sum()
+        let tables = [&self.of_segments, &self.weights].into_iter().chain(&self.of_phases);
+        tables.chain(&self.written).chain(&self.rows).map(Buffer::bytes).sum()
     }
 }
 

@@ -18,19 +18,21 @@ pub(super) struct Kinds {
 }
 
 impl Kinds {
-    /// Those of `scene`, whose sites `stored` (ascending) have rows of their own; `None` where the stencil is
-    /// that of every site, and every site has a particle.
+    /// Those of `scene`, whose sites `stored` (ascending) have rows of their own, and of which some `others` that the
+    /// scene has rows of have factors of the stencil too; `None` where the stencil is that of every site, and every site
+    /// has a particle.
     pub(super) fn new(
         device: &Device,
         scene: &MixedScene,
         stored: &[u32],
+        others: &[(u32, f64)],
         precision: Precision,
     ) -> Result<Option<Self>, GpuError> {
-        let factors = factors(scene);
+        let factors = factors(scene, others);
         if scene.absent.is_empty() && factors == [1.0] {
             return Ok(None);
         }
-        let kinds = kinds(scene, stored, &factors);
+        let kinds = kinds(scene, stored, others, &factors);
         let of_kinds: Vec<f64> = std::iter::once(0.0).chain(factors).collect();
         Ok(Some(Self {
             kind: device.storage_with("kinds of sites", &kinds)?,
@@ -47,12 +49,13 @@ impl Kinds {
 
 /// Whether a byte can name every factor that the stencil of `scene` has.
 pub fn are_few(scene: &MixedScene) -> bool {
-    factors(scene).len() <= MOST
+    factors(scene, &[]).len() <= MOST
 }
 
-/// The factors that the stencil has, each once.
-fn factors(scene: &MixedScene) -> Vec<f64> {
-    let mut factors: Vec<f64> = scene.ratios.iter().map(|(_, factor)| *factor).collect();
+/// The factors that the stencil has, and those of some `others`, each once.
+fn factors(scene: &MixedScene, others: &[(u32, f64)]) -> Vec<f64> {
+    let all = scene.ratios.iter().chain(others);
+    let mut factors: Vec<f64> = all.map(|(_, factor)| *factor).collect();
     factors.sort_by(f64::total_cmp);
     factors.dedup();
     factors
@@ -60,7 +63,7 @@ fn factors(scene: &MixedScene) -> Vec<f64> {
 
 /// A byte for each site, up to a whole number of elements of four: 0 where the stencil writes nothing, else one more
 /// than the place of its factor.
-fn kinds(scene: &MixedScene, stored: &[u32], factors: &[f64]) -> Vec<u8> {
+fn kinds(scene: &MixedScene, stored: &[u32], others: &[(u32, f64)], factors: &[f64]) -> Vec<u8> {
     let sites: usize = scene.lattice.counts.iter().product();
     let kind_of: HashMap<u64, u8> =
         (1..).zip(factors).map(|(kind, factor)| (factor.to_bits(), kind)).collect();
@@ -73,5 +76,8 @@ fn kinds(scene: &MixedScene, stored: &[u32], factors: &[f64]) -> Vec<u8> {
         kinds[range.start as usize..range.end as usize].fill(0);
     }
     stored.iter().for_each(|&site| kinds[site as usize] = 0);
+    for (site, factor) in others {
+        kinds[*site as usize] = kind_of[&factor.to_bits()];
+    }
     kinds
 }

@@ -43,6 +43,8 @@ pub(super) struct Lattice {
     exception: Option<Buffer>,
     /// The sites of these, ascending.
     exceptions: Vec<u32>,
+    /// What steps of enthalpies have in place of this where the stencil writes more sites then.
+    of_heat: Option<Box<Lattice>>,
 }
 
 /// What a lattice has beside its stencil.
@@ -54,6 +56,8 @@ pub(super) struct Beside<'a> {
     pub(super) walls: &'a SourceRows,
     /// Rows where the stencil does not hold; only of a mixed scene.
     pub(super) mixed: Option<(&'a MixedScene, &'a SomeRows)>,
+    /// Sites with such rows that the stencil writes in steps of enthalpies, ascending, with its factors there.
+    pub(super) beside_seams: &'a [(u32, f64)],
 }
 
 /// Sites whose values are in one buffer.
@@ -75,10 +79,33 @@ impl Lattice {
         reference_step: f64,
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
+        let of_all = Beside { beside_seams: &[], ..beside };
+        let all = Self::one(device, scene, of_all, reference_step, options)?;
+        let Some((mixed, rows)) = beside.mixed.filter(|_| !beside.beside_seams.is_empty()) else {
+            return Ok(all);
+        };
+        let (sites, mut rest): (Vec<u32>, _) =
+            (beside.beside_seams.iter().map(|&(site, _)| site).collect(), rows.clone());
+        rest.remove(&sites);
+        let of_heat = Beside { mixed: Some((mixed, &rest)), ..beside };
+        let of_heat = Self::one(device, scene, of_heat, reference_step, options)?;
+        Ok(Self { of_heat: Some(Box::new(of_heat)), ..all })
+    }
+
+    /// The same of one kind of steps: the stencil writes what is `beside` seams, and all others have the rows that there
+    /// are.
+    fn one(
+        device: &Device,
+        scene: &LatticeScene,
+        beside: Beside<'_>,
+        reference_step: f64,
+        options: GpuOptions,
+    ) -> Result<Self, GpuError> {
         let real = options.precision.real();
-        let Beside { held, walls, mixed } = beside;
-        let kinds =
-            mixed.map(|(scene, rows)| Kinds::new(device, scene, rows.rank(), options.precision));
+        let Beside { held, walls, mixed, beside_seams } = beside;
+        let kinds = mixed.map(|(scene, rows)| {
+            Kinds::new(device, scene, rows.rank(), beside_seams, options.precision)
+        });
         let rows =
             mixed.map(|(_, rows)| Rows::new(device, rows, reference_step, options.precision));
         let (kinds, rows) = (kinds.transpose()?.flatten(), rows.transpose()?.flatten());
@@ -125,6 +152,7 @@ impl Lattice {
             rows,
             exception,
             exceptions: exceptions.iter().map(|exception| exception[0]).collect(),
+            of_heat: None,
             source,
         })
     }
@@ -149,6 +177,10 @@ impl Lattice {
         makes: Makes,
         fields: &Fields<'_>,
     ) -> Result<Vec<Pass>, GpuError> {
+        let is_of_heat = makes == Makes::Step && fields.heat.is_some();
+        if let Some(of_heat) = self.of_heat.as_ref().filter(|_| is_of_heat) {
+            return of_heat.passes(device, makes, fields);
+        }
         let mut passes = Vec::new();
         for &sites in self.source.sites_of(makes) {
             let mut source = self.source.pass(sites, makes);
@@ -258,7 +290,8 @@ impl Lattice {
         let others = self.entry.iter().flatten().chain(&self.exception).chain([&self.ghost_excess]);
         let kinds = self.kinds.as_ref().map_or(0, Kinds::bytes);
         let rows = self.rows.as_ref().map_or(0, Rows::bytes);
-        others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows
+        let of_heat = self.of_heat.as_ref().map_or(0, |of_heat| of_heat.bytes());
+        others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows + of_heat
     }
 }
 
