@@ -4,6 +4,8 @@
 //! each other. The matrix has such pairs as if they were: a [`Seam`] says what they are short of. With the
 //! weight w of the pair, made from the reference conductivities, that is
 //! w ((K / K_ref) (T_b - T_a) - (psi_b - psi_a)), where K is the mean of the conductivities at T_a and T_b.
+//! A step of an enthalpy may have the pair with another weight w' before, that of a stencil which goes over it anyway:
+//! it is short of w (K / K_ref) (T_b - T_a) - w' (psi_b - psi_a).
 
 use std::collections::HashMap;
 use std::ops::Range;

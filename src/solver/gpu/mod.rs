@@ -334,7 +334,7 @@ impl GpuBackend {
             }
             None => None,
         };
-        let exceptions = operator.exceptions();
+        let exceptions = operator.exceptions_of_heat();
         let fronts = DeviceFronts::new(device, problem, options.precision, &parts, exceptions)?;
         let heat = Heat { curves: curves.as_ref(), seams, fronts };
         Ok(Self {

@@ -158,11 +158,11 @@ impl Operator {
         rows.into_iter().map(pass).collect()
     }
 
-    /// The places where more than a stencil acts, ascending.
-    pub(super) fn exceptions(&self) -> &[u32] {
+    /// The places where more than a stencil acts in steps of enthalpies, ascending.
+    pub(super) fn exceptions_of_heat(&self) -> &[u32] {
         match self {
             Self::List { .. } | Self::Search { .. } => &[],
-            Self::Lattice(lattice) => lattice.exceptions(),
+            Self::Lattice(lattice) => lattice.exceptions_of_heat(),
         }
     }
 

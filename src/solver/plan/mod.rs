@@ -209,9 +209,12 @@ impl Plan {
                     + self.bytes_of_table(problem)
             }
             Path::Lattice | Path::Mixed => {
-                // A device has a byte for the kind of each site.
-                let kind = u64::from(self.path == Path::Mixed && self.machine != MachineKind::Cpu);
-                let by_site = 3 * state + kind + if self.reorders { 4 } else { 0 };
+                // A device has a byte for the kind of each site, and one more for the steps of several curves.
+                let kinds = match (self.path, self.machine) {
+                    (Path::Mixed, MachineKind::Gpu(_)) => 1 + u64::from(!problem.has_one_curve()),
+                    _ => 0,
+                };
+                let by_site = 3 * state + kinds + if self.reorders { 4 } else { 0 };
                 sites * by_site + self.bytes_of_rows(problem, entries)
             }
         };

@@ -1,5 +1,5 @@
 //! Scenes that a stencil describes in part: it goes over all sites, and what it does not describe is
-//! written again.
+//! written again. In an enthalpy's step rows are not that differ from it by seams alone, which are added to anyway.
 
 use std::ops::Range;
 use std::sync::Arc;

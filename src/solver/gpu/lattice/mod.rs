@@ -1,6 +1,6 @@
 //! Lattices on the device: no list, no positions. A step is one dispatch over all sites, and where
 //! particles are held, walls impose something or the stencil does not hold, a second one over those sites
-//! alone.
+//! alone. In a step of enthalpies the stencil holds where seams alone differ from it too, which are added to anyway.
 
 mod kinds;
 mod rows;
@@ -205,6 +205,9 @@ impl Lattice {
         heat: HeatFields<'_>,
         fronts: &DeviceFronts,
     ) -> Result<Vec<Pass>, GpuError> {
+        if let Some(of_heat) = &self.of_heat {
+            return of_heat.front_passes(device, makes, fields, heat, fronts);
+        }
         let fields = Fields { walls: None, ..*fields };
         let mut passes = Vec::new();
         if !FrontMakes::of(self.source.is_split).contains(&makes) {
@@ -237,9 +240,9 @@ impl Lattice {
         self.parts.iter().map(of_part).enumerate().filter(|(_, threads)| *threads > 0)
     }
 
-    /// The sites where more than the stencil acts, ascending.
-    pub(super) fn exceptions(&self) -> &[u32] {
-        &self.exceptions
+    /// The sites where more than the stencil acts in steps of enthalpies, ascending.
+    pub(super) fn exceptions_of_heat(&self) -> &[u32] {
+        self.of_heat.as_ref().map_or(&self.exceptions, |of_heat| &of_heat.exceptions)
     }
 
     /// The buffers of a pass of `source`, which is that of this lattice or what fronts have of it, on part `k`, in the order
