@@ -1,4 +1,4 @@
-// Adds what the matrix is short of where materials meet, in the share of `seam_share`.
+// Adds what the matrix, or what is written, is short of where materials meet, in the share of `seam_share`.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn seam(

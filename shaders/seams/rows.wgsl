@@ -1,7 +1,7 @@
-// What the matrix is short of where materials meet (`Seams` in src/model/operator/seams.rs). A row of
-// `seam_row` has the place of a particle, its first and end pair, and its place among the held ones or
-// NO_SLOT. A pair has the place of the other particle, its weight a reference step, and that over the
-// mean of the reference conductivities.
+// What the matrix, or what a step has written, is short of where materials meet (`Seams` in src/model/operator/seams.rs). A
+// row of `seam_row` has the place of a particle, its first and end pair, and its place among the held ones or NO_SLOT. A
+// pair has the place of the other particle, the weight that is known of it, a reference step, and the matrix's over the mean
+// of the reference conductivities.
 
 struct Local {
     temperature: Value,
@@ -9,7 +9,7 @@ struct Local {
     conductivity: real,
 }
 
-// The rate that the matrix is short of, dimensionless in time.
+// The rate that is missing, dimensionless in time.
 fn seam_sum(row: vec4<u32>, is_changed: bool) -> real {
     let own = local_at(row.x, is_changed);
     var sum = real(0.0);

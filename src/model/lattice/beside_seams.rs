@@ -9,7 +9,8 @@ use super::MixedScene;
 use crate::model::Problem;
 use crate::model::operator::SomeRows;
 
-/// A weight is that of a stencil if it is so near to it, as a share: sums of images are rounded.
+/// A weight is that of a stencil if it is so near to it, as a share: sums of ghosts are rounded, and walls add to rows what
+/// comes of positions.
 const ROUNDING: f64 = 1e-12;
 
 impl MixedScene {
@@ -30,24 +31,27 @@ impl MixedScene {
         (0..rows.blocks()).into_par_iter().flat_map_iter(of_block).collect()
     }
 
-    /// The weight (1/s) of a neighbour in the stencil of a site with a particle; 0 of what is none.
-    pub fn stencil_weight(&self, problem: &Problem, site: usize, other: usize) -> f64 {
-        let weights = self.stencil(problem, site).into_iter().filter(|&(at, _)| at == other);
-        weights.map(|(_, weight)| weight).sum()
-    }
-
     /// The factor of the stencil at a site with a particle.
     pub fn factor(&self, problem: &Problem, site: usize) -> f64 {
         let material = self.lattice.material(problem, site).expect("a particle");
         self.ratio(&problem.materials[usize::from(material)])
     }
 
-    /// The neighbours in the stencil of a site with a particle, and their weights, 1/s.
-    fn stencil(&self, problem: &Problem, site: usize) -> Vec<(usize, f64)> {
+    /// The neighbours in the stencil of a site with a particle, ascending, and their weights, 1/s.
+    pub fn stencil(&self, problem: &Problem, site: usize) -> Vec<(usize, f64)> {
         let (ratio, mut entries) = (self.factor(problem, site), Vec::new());
         self.lattice.entries(site, |other, weight| entries.push((other, ratio * weight)));
         // At the end of a support nothing flows.
         entries.retain(|&(_, weight)| weight != 0.0);
+        entries.sort_unstable_by_key(|&(other, _)| other);
+        // Ghosts of a particle are entries of their own.
+        entries.dedup_by(|next, last| {
+            let is_same = next.0 == last.0;
+            if is_same {
+                last.1 += next.1;
+            }
+            is_same
+        });
         entries
     }
 
@@ -65,17 +69,8 @@ impl MixedScene {
                 .map(|(own, of_other)| [own, of_other].map(|m| &problem.materials[usize::from(m)]));
             curves.is_some_and(|[own, of_other]| !own.shares_curve(of_other))
         };
-        let mut stencil = self.stencil(problem, site);
-        stencil.sort_unstable_by_key(|&(other, _)| other);
+        let stencil = self.stencil(problem, site);
         row.sort_unstable_by_key(|&(other, _)| other);
-        // Images of one particle are entries of their own.
-        stencil.dedup_by(|next, last| {
-            let is_same = next.0 == last.0;
-            if is_same {
-                last.1 += next.1;
-            }
-            is_same
-        });
         let is_close =
             |weight: f64, of_row: f64| (of_row - weight).abs() <= ROUNDING * weight.abs();
         stencil.len() == row.len()

@@ -184,13 +184,13 @@ impl LocalsMut<'_> {
 impl Seams {
     /// Those of `problem`, with the place of each particle; `None` where there are none. If they are to be `on_sites` of
     /// a lattice, pairs have its distances, so that those of positions do not keep rows apart by their last digits.
-    /// `written` is the weight (1/s) with which a step of an enthalpy has a place and a neighbour before seams add to
-    /// it, where that is not the weight of the matrix.
+    /// `written` tells of a place its neighbours with the weights (1/s) that a step of an enthalpy has of them before
+    /// seams add to it, where those are not the weights of the matrix.
     pub fn of(
         problem: &Problem,
         place: &[u32],
         on_sites: bool,
-        written: impl Fn(usize, usize) -> Option<f64> + Sync,
+        written: impl Fn(usize) -> Option<Vec<(usize, f64)>> + Sync,
     ) -> Option<Self> {
         if problem.has_one_curve() {
             return None;
@@ -231,12 +231,21 @@ impl Seams {
                             let by_walls = row.fold.map_or(0.0, |fold| fold.weight[k]);
                             (meets && !is_held).then(|| {
                                 let weight = weight.between(row.a, b, distance(n.dist)) + by_walls;
-                                let [at, of_b] = [row.a, b].map(|of| place[of] as usize);
-                                Across { b, weights: [weight, written(at, of_b).unwrap_or(weight)] }
+                                Across { b, weights: [weight; 2] }
                             })
                         };
-                        let pairs: Vec<_> = neighbors.iter().enumerate().filter_map(pair).collect();
+                        let mut pairs: Vec<Across> =
+                            neighbors.iter().enumerate().filter_map(pair).collect();
                         if !pairs.is_empty() {
+                            let written = written(place[row.a] as usize);
+                            for Across { b, weights } in &mut pairs {
+                                let is_b = |&&(at, _): &&(usize, f64)| at == place[*b] as usize;
+                                let of_b = written.as_ref().map(|all| all.iter().find(is_b));
+                                weights[1] = match of_b {
+                                    Some(found) => found.map_or(0.0, |&(_, weight)| weight),
+                                    None => weights[0],
+                                };
+                            }
                             found.push((row.a, pairs));
                         }
                     },

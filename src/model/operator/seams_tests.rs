@@ -37,7 +37,7 @@ fn three() -> Problem {
 /// Seams of it, where places are particles, and the states of their particles for some enthalpies.
 fn seams_and_locals(problem: &Problem, on_sites: bool) -> (Seams, Locals) {
     let place: Vec<u32> = (0..problem.particles.len() as u32).collect();
-    let seams = Seams::of(problem, &place, on_sites, |_, _| None).expect("materials meet");
+    let seams = Seams::of(problem, &place, on_sites, |_| None).expect("materials meet");
     let locals = seams.locals(|row, place| seams.local(row, 250.0 + ((place * 37) % 400) as f64));
     (seams, locals)
 }

@@ -105,9 +105,9 @@ impl Lines {
 pub(super) struct Near {
     /// Among the rows of some places.
     pub(super) row: usize,
-    /// Among rows that share lines, and those of them at seams.
+    /// Among rows that share lines, and those of them beside seams.
     pub(super) shared: usize,
-    pub(super) at_seams: usize,
+    pub(super) beside_seams: usize,
     /// Among parts of different factors.
     pub(super) part: usize,
 }

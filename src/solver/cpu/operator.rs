@@ -150,9 +150,9 @@ pub(super) trait CpuOperator: Send + Sync {
         None
     }
 
-    /// The weight (1/s) with which [`Self::step_enthalpy`] has what flows to a place from another before seams add to it,
-    /// where that is not the weight of the matrix.
-    fn written_weight(&self, _place: usize, _other: usize) -> Option<f64> {
+    /// The neighbours of a place with the weights (1/s) that [`Self::step_enthalpy`] has of them before seams add to it,
+    /// where those are not the weights of the matrix.
+    fn written_weights(&self, _place: usize) -> Option<Vec<(usize, f64)>> {
         None
     }
 

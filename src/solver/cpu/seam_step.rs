@@ -174,7 +174,7 @@ mod tests {
         let count = problem.particles.len();
         problem.particles.material = (0..count).map(|place| (place % 8 / 3) as u16).collect();
         let places: Vec<u32> = (0..count as u32).collect();
-        let seams = Seams::of(&problem, &places, true, |_, _| None).expect("materials meet");
+        let seams = Seams::of(&problem, &places, true, |_| None).expect("materials meet");
         // Solid, melting and liquid, in turn.
         let enthalpy = |place: usize| 350.0 + ((place * 61) % 350) as f64;
         for SeamGroup { material, rows } in seams.groups() {

@@ -183,7 +183,7 @@ impl CurvePasses {
 }
 
 impl SeamPasses {
-    /// Adds what the matrix is short of to a step; what melts is put on its list where lists are `kept`.
+    /// Adds what a step is short of to it; what melts is put on its list where lists are `kept`.
     pub fn step(self, kept: bool) -> PassSource {
         let to = ["seams/to_step", "end/written", "end/correction"];
         let (held, exchange) = self.held_of_step();

@@ -25,7 +25,7 @@ pub mod vector;
 mod walls;
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::plan::Needs;
 use super::{Precision, SolverError};
@@ -207,7 +207,7 @@ impl GpuBackend {
                     place[particle as usize] = k;
                 }
                 let passes = seam_passes(problem, options, &rows, HeldIn::Rows);
-                let seams = Seams::of(problem, &place, false, |_, _| None).map(|seams| {
+                let seams = Seams::of(problem, &place, false, |_| None).map(|seams| {
                     DeviceSeams::new(device, problem, curves, &seams, &rows, scaling.step, passes)
                 });
                 seams.transpose()?
@@ -271,7 +271,11 @@ impl GpuBackend {
         let walls = rows.sources().clone().beside_stencil(rows.rank());
         let beside_seams = scene.beside_seams(problem, rows, MOST_OF_WEIGHT).into_iter();
         let with_factor = |site| (site, scene.factor(problem, site as usize));
-        let beside_seams: Vec<(u32, f64)> = beside_seams.map(with_factor).collect();
+        // A stencil has the factors of the sites that it describes.
+        let known: HashSet<u64> = scene.ratios.iter().map(|(_, factor)| factor.to_bits()).collect();
+        let is_known = |(_, factor): &(u32, f64)| known.contains(&factor.to_bits());
+        let beside_seams: Vec<(u32, f64)> =
+            beside_seams.map(with_factor).filter(is_known).collect();
         let mixed = Some((scene, rows));
         let beside = Beside { held, walls: &walls, mixed, beside_seams: &beside_seams };
         // The rows of held particles are without what these give each other.
@@ -322,10 +326,10 @@ impl GpuBackend {
                 let particles = 0..problem.particles.len() as u32;
                 let place: Vec<u32> = particles.map(scene.sites()).collect();
                 let passes = seam_passes(problem, options, held, HeldIn::Lattice);
-                let written = |site: usize, other: usize| {
+                let written = |site: usize| {
                     let (scene, _) = mixed?;
                     beside_seams.binary_search_by_key(&(site as u32), |&(site, _)| site).ok()?;
-                    Some(scene.stencil_weight(problem, site, other))
+                    Some(scene.stencil(problem, site))
                 };
                 let seams = Seams::of(problem, &place, false, written).map(|seams| {
                     DeviceSeams::new(device, problem, curves, &seams, held, reference, passes)

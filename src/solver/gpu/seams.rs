@@ -11,7 +11,7 @@ use crate::model::operator::Seams;
 use crate::model::{HeatCurve, Problem};
 use crate::solver::precision::two_words;
 
-/// What the matrix is short of there, row by row: see `shaders/seams/rows.wgsl`.
+/// What the matrix, or what steps write, is short of there, row by row: see `shaders/seams/rows.wgsl`.
 #[derive(Debug)]
 pub(super) struct DeviceSeams {
     passes: SeamPasses,
@@ -91,7 +91,7 @@ impl DeviceSeams {
         })
     }
 
-    /// Adds to a step of enthalpies what the matrix is short of, from potentials before it to those after it; held
+    /// Adds to a step of enthalpies what it is short of as it is written, from potentials before it to those after it; held
     /// particles give to `exchange`.
     pub(super) fn step(
         &self,
@@ -122,7 +122,7 @@ impl DeviceSeams {
         }
     }
 
-    /// Adds the same to rates a reference step.
+    /// Adds what the matrix is short of to rates a reference step.
     pub(super) fn rate(&self, device: &Device, fields: SeamFields<'_>) -> Result<Pass, GpuError> {
         self.pass(device, &self.passes.rate(), fields, [])
     }

@@ -20,6 +20,10 @@ use crate::solver::cpu::written::Written;
 /// them, since a short part of a line costs as much as a long one.
 const GAP: usize = 128;
 
+/// A stencil that has at most so many times the weight of a pair at a seam may write it for a row: what it writes is
+/// taken out again, and of more than a step should move rounding would be seen.
+const MOST_OF_WEIGHT: f64 = 100.0;
+
 /// A scene with rows where its stencil does not hold.
 pub(in crate::solver::cpu) struct Mixed {
     scene: Arc<MixedScene>,
@@ -29,8 +33,8 @@ pub(in crate::solver::cpu) struct Mixed {
     rows: SomeRows,
     /// Those that were among them and share lines.
     shared: SharedRows,
-    /// Those of these that are the stencil's but for pairs at [seams](crate::model::operator::Seams).
-    at_seams: SharedRows,
+    /// Those of these that an enthalpy's step leaves to the stencil: see [`MixedScene::beside_seams`].
+    beside_seams: SharedRows,
 }
 
 impl Mixed {
@@ -41,21 +45,21 @@ impl Mixed {
     ) -> Self {
         let sites = scene.lattice.counts.iter().product();
         let all_rows: Vec<u32> = rows.rank().to_vec();
-        let beside_seams = scene.beside_seams(problem, &rows, f64::INFINITY);
+        let beside_seams = scene.beside_seams(problem, &rows, MOST_OF_WEIGHT);
         let mut shared = SharedRows::take_from(&mut rows, sites);
-        let at_seams = shared.take_out(&beside_seams);
+        let beside_seams = shared.take_out(&beside_seams);
         if problem.has_one_curve() {
             let [parts, row_parts] = [&scene.ratios[..], &[]].map(Parts::of_factors);
-            return Self { scene, parts, row_parts, rows, shared, at_seams };
+            return Self { scene, parts, row_parts, rows, shared, beside_seams };
         }
         let mut is_by_stencil = vec![true; sites];
         all_rows.iter().for_each(|&site| is_by_stencil[site as usize] = false);
-        at_seams.sites().iter().for_each(|&site| is_by_stencil[site as usize] = true);
+        beside_seams.sites().iter().for_each(|&site| is_by_stencil[site as usize] = true);
         let by_stencil = (0..).zip(is_by_stencil).filter_map(|(site, is)| is.then_some(site));
         let ratio = |material: &Material| scene.ratio(material);
         let parts = Parts::of_materials(problem, &scene.lattice, ratio, by_stencil);
         let row_parts = Parts::of_materials(problem, &scene.lattice, ratio, all_rows.into_iter());
-        Self { scene, parts, row_parts, rows, shared, at_seams }
+        Self { scene, parts, row_parts, rows, shared, beside_seams }
     }
 
     /// The empty sites from the first that ends after `site` on.
@@ -65,7 +69,7 @@ impl Mixed {
         absent[next..].iter().map(|range| range.start as usize..range.end as usize)
     }
 
-    /// Writes what the stencil does not describe at `sites`, but for rows at seams; returns what held particles gave.
+    /// Writes what the stencil does not describe at `sites`, but for rows beside seams; returns what held particles gave.
     fn rest(
         &self,
         seen: &mut Seen,
@@ -134,8 +138,8 @@ impl LatticeOperator for Mixed {
     }
 
     fn entries<'a>(&'a self, around: &'a Around, site: usize, near: &mut Near) -> Entries<'a> {
-        let at_seam = self.at_seams.at(site, &mut near.at_seams);
-        if let Some(lines) = at_seam.or_else(|| self.shared.at(site, &mut near.shared)) {
+        let of_stencil = self.beside_seams.at(site, &mut near.beside_seams);
+        if let Some(lines) = of_stencil.or_else(|| self.shared.at(site, &mut near.shared)) {
             return Entries::Lines(lines, 1.0);
         }
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
@@ -169,13 +173,13 @@ impl LatticeOperator for Mixed {
         written: Written<'_>,
     ) -> f64 {
         let given = self.advance_to_seams(scratch, now, first, out, written);
-        let (sites, Seen { at_seams, row_parts, .. }) =
+        let (sites, Seen { beside_seams, row_parts, .. }) =
             (first..first + out.len(), &mut scratch.seen);
-        self.write_rows(&self.at_seams, [at_seams, row_parts], now, &sites, out, written);
+        self.write_rows(&self.beside_seams, [beside_seams, row_parts], now, &sites, out, written);
         given
     }
 
-    /// Leaves rows at seams as the stencil writes them.
+    /// Leaves rows beside seams as the stencil writes them.
     fn advance_to_seams(
         &self,
         scratch: &mut Scratch,
@@ -197,16 +201,13 @@ impl LatticeOperator for Mixed {
         self.rest(&mut scratch.seen, now, &(first..end), out, written)
     }
 
-    fn written_weight(&self, around: &Around, site: usize, other: usize) -> Option<f64> {
-        self.at_seams.at(site, &mut 0)?;
+    fn written_weights(&self, around: &Around, site: usize) -> Option<Vec<(usize, f64)>> {
+        self.beside_seams.at(site, &mut 0)?;
         let (scene, factor) = (&self.scene.lattice, self.parts.at(site, &mut 0).factor);
-        let mut written = 0.0;
-        around.lines()[around.which(scene, site)].for_each(site, |neighbor, weight| {
-            if neighbor == other {
-                written = factor * weight;
-            }
-        });
-        Some(written)
+        let mut weights = Vec::new();
+        around.lines()[around.which(scene, site)]
+            .for_each(site, |other, weight| weights.push((other, factor * weight)));
+        Some(weights)
     }
 
     fn has_particle(&self, site: usize) -> bool {
@@ -234,7 +235,7 @@ impl LatticeOperator for Mixed {
         for (&site, linear) in sources.rank().iter().zip(sources.linear()) {
             diagonal[site as usize] += linear;
         }
-        for rows in [&self.shared, &self.at_seams] {
+        for rows in [&self.shared, &self.beside_seams] {
             rows.diagonals(|site, d| diagonal[site] = d);
         }
         self.rows.diagonals(|site, d| diagonal[site] = d);
@@ -242,7 +243,7 @@ impl LatticeOperator for Mixed {
     }
 
     fn memory_bytes(&self) -> usize {
-        let shared = [&self.shared, &self.at_seams].map(SharedRows::memory_bytes);
+        let shared = [&self.shared, &self.beside_seams].map(SharedRows::memory_bytes);
         let shared = shared.iter().sum::<usize>() + self.shared.bytes_of_lines();
         let rows = self.rows.memory_bytes() + shared;
         rows + self.parts.memory_bytes() + self.row_parts.memory_bytes() + self.scene.memory_bytes()

@@ -67,7 +67,7 @@ pub(super) trait LatticeOperator: Send + Sync {
     ) -> f64;
 
     /// The same in an enthalpy's step: a pair at a seam may have the stencil's weight for that of the matrix, which
-    /// [`Self::written_weight`] tells then.
+    /// [`Self::written_weights`] tell then.
     fn advance_to_seams(
         &self,
         scratch: &mut Scratch,
@@ -79,8 +79,8 @@ pub(super) trait LatticeOperator: Send + Sync {
         self.advance(scratch, now, first, out, written)
     }
 
-    /// As [`CpuOperator::written_weight`], where the stencil has what is `around`.
-    fn written_weight(&self, _around: &Around, _site: usize, _other: usize) -> Option<f64> {
+    /// As [`CpuOperator::written_weights`], where the stencil has what is `around`.
+    fn written_weights(&self, _around: &Around, _site: usize) -> Option<Vec<(usize, f64)>> {
         None
     }
 
@@ -176,8 +176,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         self.around().lines().get(usize::from(which))
     }
 
-    fn written_weight(&self, place: usize, other: usize) -> Option<f64> {
-        self.of.written_weight(self.around(), place, other)
+    fn written_weights(&self, place: usize) -> Option<Vec<(usize, f64)>> {
+        self.of.written_weights(self.around(), place)
     }
 
     fn reach(&self) -> usize {

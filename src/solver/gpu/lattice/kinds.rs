@@ -18,17 +18,17 @@ pub(super) struct Kinds {
 }
 
 impl Kinds {
-    /// Those of `scene`, whose sites `stored` (ascending) have rows of their own, and of which some `others` that the
-    /// scene has rows of have factors of the stencil too; `None` where the stencil is that of every site, and every site
-    /// has a particle.
+    /// Those of `scene`, whose sites `stored` (each with its first element) have rows of their own; `others`, of which it tells no factor, the
+    /// stencil writes too, with one of its factors. `None` where the stencil is that of every site, and every site has a
+    /// particle.
     pub(super) fn new(
         device: &Device,
         scene: &MixedScene,
-        stored: &[u32],
+        stored: &[(u32, u32)],
         others: &[(u32, f64)],
         precision: Precision,
     ) -> Result<Option<Self>, GpuError> {
-        let factors = factors(scene, others);
+        let factors = factors(scene);
         if scene.absent.is_empty() && factors == [1.0] {
             return Ok(None);
         }
@@ -49,13 +49,12 @@ impl Kinds {
 
 /// Whether a byte can name every factor that the stencil of `scene` has.
 pub fn are_few(scene: &MixedScene) -> bool {
-    factors(scene, &[]).len() <= MOST
+    factors(scene).len() <= MOST
 }
 
-/// The factors that the stencil has, and those of some `others`, each once.
-fn factors(scene: &MixedScene, others: &[(u32, f64)]) -> Vec<f64> {
-    let all = scene.ratios.iter().chain(others);
-    let mut factors: Vec<f64> = all.map(|(_, factor)| *factor).collect();
+/// The factors that the stencil has, each once.
+fn factors(scene: &MixedScene) -> Vec<f64> {
+    let mut factors: Vec<f64> = scene.ratios.iter().map(|(_, factor)| *factor).collect();
     factors.sort_by(f64::total_cmp);
     factors.dedup();
     factors
@@ -63,7 +62,12 @@ fn factors(scene: &MixedScene, others: &[(u32, f64)]) -> Vec<f64> {
 
 /// A byte for each site, up to a whole number of elements of four: 0 where the stencil writes nothing, else one more
 /// than the place of its factor.
-fn kinds(scene: &MixedScene, stored: &[u32], others: &[(u32, f64)], factors: &[f64]) -> Vec<u8> {
+fn kinds(
+    scene: &MixedScene,
+    stored: &[(u32, u32)],
+    others: &[(u32, f64)],
+    factors: &[f64],
+) -> Vec<u8> {
     let sites: usize = scene.lattice.counts.iter().product();
     let kind_of: HashMap<u64, u8> =
         (1..).zip(factors).map(|(kind, factor)| (factor.to_bits(), kind)).collect();
@@ -75,9 +79,7 @@ fn kinds(scene: &MixedScene, stored: &[u32], others: &[(u32, f64)], factors: &[f
     for range in &scene.absent {
         kinds[range.start as usize..range.end as usize].fill(0);
     }
-    stored.iter().for_each(|&site| kinds[site as usize] = 0);
-    for (site, factor) in others {
-        kinds[*site as usize] = kind_of[&factor.to_bits()];
-    }
+    stored.iter().for_each(|&(site, _)| kinds[site as usize] = 0);
+    others.iter().for_each(|(site, factor)| kinds[*site as usize] = kind_of[&factor.to_bits()]);
     kinds
 }

@@ -79,36 +79,40 @@ impl Lattice {
         reference_step: f64,
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
-        let of_all = Beside { beside_seams: &[], ..beside };
-        let all = Self::one(device, scene, of_all, reference_step, options)?;
-        let Some((mixed, rows)) = beside.mixed.filter(|_| !beside.beside_seams.is_empty()) else {
-            return Ok(all);
+        let rows = beside
+            .mixed
+            .map(|(_, rows)| Rows::new(device, rows, reference_step, options.precision));
+        let rows = rows.transpose()?.flatten();
+        let of = |rows, beside_seams| {
+            let beside = Beside { beside_seams, ..beside };
+            Self::with_rows(device, scene, beside, rows, reference_step, options)
         };
-        let (sites, mut rest): (Vec<u32>, _) =
-            (beside.beside_seams.iter().map(|&(site, _)| site).collect(), rows.clone());
-        rest.remove(&sites);
-        let of_heat = Beside { mixed: Some((mixed, &rest)), ..beside };
-        let of_heat = Self::one(device, scene, of_heat, reference_step, options)?;
-        Ok(Self { of_heat: Some(Box::new(of_heat)), ..all })
+        let of_heat = match beside.beside_seams {
+            [] => None,
+            some => {
+                let is_left = |site| some.binary_search_by_key(&site, |&(site, _)| site).is_err();
+                let rest = rows.as_ref().and_then(|rows| rows.only(is_left));
+                Some(Box::new(of(rest, some)?))
+            }
+        };
+        Ok(Self { of_heat, ..of(rows, &[])? })
     }
 
-    /// The same of one kind of steps: the stencil writes what is `beside` seams, and all others have the rows that there
-    /// are.
-    fn one(
+    /// The same with some of the `rows` that are beside its stencil, which also writes what is `beside` seams.
+    fn with_rows(
         device: &Device,
         scene: &LatticeScene,
         beside: Beside<'_>,
+        rows: Option<Rows>,
         reference_step: f64,
         options: GpuOptions,
     ) -> Result<Self, GpuError> {
         let real = options.precision.real();
         let Beside { held, walls, mixed, beside_seams } = beside;
-        let kinds = mixed.map(|(scene, rows)| {
-            Kinds::new(device, scene, rows.rank(), beside_seams, options.precision)
-        });
-        let rows =
-            mixed.map(|(_, rows)| Rows::new(device, rows, reference_step, options.precision));
-        let (kinds, rows) = (kinds.transpose()?.flatten(), rows.transpose()?.flatten());
+        let stored = rows.as_ref().map_or(&[][..], |rows| &rows.first);
+        let kinds = mixed
+            .map(|(scene, _)| Kinds::new(device, scene, stored, beside_seams, options.precision));
+        let kinds = kinds.transpose()?.flatten();
         let value = options.precision.state_bytes();
         let most = options.most_bytes(device) / value;
         let parts = parts(scene, most).map_err(|needed| GpuError::TooLarge {
@@ -117,7 +121,6 @@ impl Lattice {
             available: most * value,
         })?;
         let (periodic, mirrors) = source::ends(scene);
-        let stored = rows.as_ref().map_or(&[][..], |rows| &rows.first);
         let exceptions = exceptions(held, walls.rank(), stored);
         let source = StencilSource {
             counts: scene.counts,
@@ -289,12 +292,16 @@ impl Lattice {
 
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
+        // Steps of enthalpies have the same rows.
+        self.bytes_but_for_rows() + self.rows.as_ref().map_or(0, Rows::bytes)
+    }
+
+    fn bytes_but_for_rows(&self) -> u64 {
         let blocks = self.parts.iter().map(|part| part.block.bytes()).sum::<u64>();
         let others = self.entry.iter().flatten().chain(&self.exception).chain([&self.ghost_excess]);
         let kinds = self.kinds.as_ref().map_or(0, Kinds::bytes);
-        let rows = self.rows.as_ref().map_or(0, Rows::bytes);
-        let of_heat = self.of_heat.as_ref().map_or(0, |of_heat| of_heat.bytes());
-        others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + rows + of_heat
+        let of_heat = self.of_heat.as_ref().map_or(0, |of_heat| of_heat.bytes_but_for_rows());
+        others.map(Buffer::bytes).sum::<u64>() + blocks + kinds + of_heat
     }
 }
 

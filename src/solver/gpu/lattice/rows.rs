@@ -58,6 +58,14 @@ impl Rows {
         }))
     }
 
+    /// Some of them, by site, in the same buffers; `None` if there are none.
+    pub(super) fn only(&self, is_one: impl Fn(u32) -> bool) -> Option<Self> {
+        let first = self.first.iter().copied().filter(|&(site, _)| is_one(site));
+        let first: Vec<(u32, u32)> = first.collect();
+        let (neighbor, weight) = (self.neighbor.clone(), self.weight.clone());
+        (!first.is_empty()).then_some(Self { neighbor, weight, first })
+    }
+
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
         self.neighbor.bytes() + self.weight.bytes()

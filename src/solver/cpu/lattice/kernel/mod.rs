@@ -84,9 +84,9 @@ pub(super) struct Seen {
     pub(super) walls: usize,
     /// Rows of their own.
     pub(super) rows: usize,
-    /// Rows that share lines, and those of them at seams.
+    /// Rows that share lines, and those of them beside seams.
     pub(super) shared: usize,
-    pub(super) at_seams: usize,
+    pub(super) beside_seams: usize,
     /// Parts of the lattice, and of its rows.
     pub(super) parts: usize,
     pub(super) row_parts: usize,
