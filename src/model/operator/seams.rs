@@ -40,6 +40,8 @@ pub struct Seams {
     kinds: Vec<RowKind>,
     /// The pairs of kinds, one kind after the other.
     pairs: Vec<Pair>,
+    /// The weights with which a step of an enthalpy has these before seams add to it, 1/s, where some are others.
+    written: Vec<f64>,
 }
 
 /// A particle that has neighbours of other materials.
@@ -83,16 +85,18 @@ struct Pair {
     ahead: usize,
     /// The weight, 1/s.
     weight: f64,
-    /// That with which a step of an enthalpy is written before seams add to it, 1/s.
-    written: f64,
-    /// The weight over the mean of the reference conductivities.
+    /// This over the mean of the reference conductivities.
     over_mean: f64,
 }
 
-/// A neighbour of another material, with the weight of the matrix and the one that is written, 1/s.
-struct Across {
-    b: usize,
-    weights: [f64; 2],
+/// A row as it is found.
+struct Found {
+    /// The particle.
+    a: usize,
+    /// Its neighbours of other materials, with weights, 1/s.
+    pairs: Vec<(usize, f64)>,
+    /// The weights that a step of an enthalpy has of these before, 1/s, where they are others.
+    written: Option<Vec<f64>>,
 }
 
 /// What the particle of a row is like.
@@ -215,7 +219,7 @@ impl Seams {
         };
         let of_cells = |cells: Range<usize>| {
             let (mut scratch, mut fold) = (Scratch::default(), RowFold::default());
-            let mut found: Vec<(usize, Vec<Across>)> = Vec::new();
+            let mut found: Vec<Found> = Vec::new();
             for cell in cells.filter(|&cell| may_meet(cell)) {
                 grid.for_each_row(
                     cell,
@@ -229,24 +233,19 @@ impl Seams {
                             let meets = of_a != of_b && !shares_curve(of_a, of_b);
                             let is_held = row.held && problem.is_held(b);
                             let by_walls = row.fold.map_or(0.0, |fold| fold.weight[k]);
-                            (meets && !is_held).then(|| {
-                                let weight = weight.between(row.a, b, distance(n.dist)) + by_walls;
-                                Across { b, weights: [weight; 2] }
-                            })
+                            (meets && !is_held)
+                                .then(|| (b, weight.between(row.a, b, distance(n.dist)) + by_walls))
                         };
-                        let mut pairs: Vec<Across> =
-                            neighbors.iter().enumerate().filter_map(pair).collect();
+                        let pairs: Vec<_> = neighbors.iter().enumerate().filter_map(pair).collect();
                         if !pairs.is_empty() {
-                            let written = written(place[row.a] as usize);
-                            for Across { b, weights } in &mut pairs {
-                                let is_b = |&&(at, _): &&(usize, f64)| at == place[*b] as usize;
-                                let of_b = written.as_ref().map(|all| all.iter().find(is_b));
-                                weights[1] = match of_b {
-                                    Some(found) => found.map_or(0.0, |&(_, weight)| weight),
-                                    None => weights[0],
+                            let written = written(place[row.a] as usize).map(|all| {
+                                let of = |&(b, _): &(usize, f64)| {
+                                    let of_b = all.iter().find(|(at, _)| *at == place[b] as usize);
+                                    of_b.map_or(0.0, |&(_, weight)| weight)
                                 };
-                            }
-                            found.push((row.a, pairs));
+                                pairs.iter().map(of).collect()
+                            });
+                            found.push(Found { a: row.a, pairs, written });
                         }
                     },
                 );
@@ -254,41 +253,53 @@ impl Seams {
             found
         };
         let mut found: Vec<_> = tasks(&grid).into_par_iter().flat_map_iter(of_cells).collect();
-        found.par_sort_unstable_by_key(|&(a, _)| (material(a), place[a]));
+        found.par_sort_unstable_by_key(|&Found { a, .. }| (material(a), place[a]));
         if found.is_empty() {
             return None;
         }
         let (mut groups, mut end) = (Vec::new(), 0);
-        for of_one in found.chunk_by(|&(a, _), &(b, _)| material(a) == material(b)) {
+        for of_one in found.chunk_by(|one, other| material(one.a) == material(other.a)) {
             let rows = end..end + of_one.len();
             end = rows.end;
-            groups.push(SeamGroup { material: material(of_one[0].0), rows });
+            groups.push(SeamGroup { material: material(of_one[0].a), rows });
         }
         let mut row_of = HashMap::with_capacity(found.len());
-        row_of.extend((0..).zip(&found).map(|(row, &(a, _))| (a, row)));
+        row_of.extend((0..).zip(&found).map(|(row, found)| (found.a, row)));
         let mut seams = Self {
             pair_mean: problem.pair_mean,
             materials: problem.materials.clone(),
             groups,
-            places: found.iter().map(|&(a, _)| place[a]).collect(),
+            places: found.iter().map(|found| place[found.a]).collect(),
             rows: Vec::with_capacity(found.len()),
             kinds: Vec::new(),
             pairs: Vec::new(),
+            written: Vec::new(),
         };
         let mut kinds = HashMap::new();
-        for (row, (a, pairs)) in (0_isize..).zip(&found) {
+        for (row, Found { a, pairs, written }) in (0_isize..).zip(&found) {
             let held = problem.is_held(*a).then(|| problem.capacity(*a));
-            let pair = |&Across { b, weights }: &Across| (row_of[&b] - row, material(b), weights);
+            let pair = |(k, &(b, weight)): (usize, &(usize, f64))| {
+                let written = written.as_ref().map_or(weight, |written| written[k]);
+                (row_of[&b] - row, material(b), [weight, written])
+            };
             // At the end of a support nothing flows.
-            let with_weight = pairs.iter().map(pair).filter(|(.., weights)| *weights != [0.0; 2]);
+            let with_weight =
+                pairs.iter().enumerate().map(pair).filter(|(.., weights)| *weights != [0.0; 2]);
             let mut pairs: Vec<_> = with_weight.collect();
-            let bits = |weights: [f64; 2]| weights.map(f64::to_bits);
-            pairs.sort_unstable_by_key(|&(step, _, weights)| (step, bits(weights)));
-            let key = pairs.iter().map(|&(step, of_b, weights)| (step, of_b, bits(weights)));
-            let key = (material(*a), held.map(f64::to_bits), key.collect::<Vec<_>>());
+            pairs.sort_unstable_by_key(|&(step, _, weights)| (step, weights.map(f64::to_bits)));
+            let of_pairs =
+                pairs.iter().map(|&(step, of_b, [weight, _])| (step, of_b, weight.to_bits()));
+            let of_written = written.is_some().then(|| {
+                pairs.iter().map(|(.., [_, written])| written.to_bits()).collect::<Vec<_>>()
+            });
+            let key =
+                (material(*a), held.map(f64::to_bits), of_pairs.collect::<Vec<_>>(), of_written);
             let kind =
                 *kinds.entry(key).or_insert_with(|| seams.add_kind(material(*a), held, &pairs));
             seams.rows.push(kind);
+        }
+        if found.iter().all(|found| found.written.is_none()) {
+            seams.written = Vec::new();
         }
         Some(seams)
     }
@@ -307,8 +318,9 @@ impl Seams {
         let begin = self.pairs.len();
         for &(step, of_other, [weight, written]) in pairs {
             let mean = self.pair_mean.of(conductivity(material), conductivity(of_other));
-            let (ahead, over_mean) = ((step - first) as usize, weight / mean);
-            self.pairs.push(Pair { ahead, weight, written, over_mean });
+            let over_mean = weight / mean;
+            self.pairs.push(Pair { ahead: (step - first) as usize, weight, over_mean });
+            self.written.push(written);
         }
         let (span, pairs) = ((last - first) as usize, begin..self.pairs.len());
         self.kinds.push(RowKind { material, held, first, span, pairs });
@@ -379,6 +391,9 @@ impl Seams {
         locals: &Locals,
         add: impl FnMut(usize, f64, f64),
     ) -> f64 {
+        if self.written.is_empty() {
+            return self.add(rows, locals, add);
+        }
         wide::run(AddSeams::<_, true> { of: self, rows, locals, add })
     }
 
@@ -387,18 +402,21 @@ impl Seams {
         (0..self.rows.len()).map(|row| {
             let kind = self.kind(row);
             let first = row.wrapping_add_signed(kind.first);
-            let pair = |&Pair { ahead, weight, written, .. }: &Pair| {
+            let pair = |which: usize| {
+                let Pair { ahead, weight, .. } = self.pairs[which];
+                let written = self.written.get(which).copied().unwrap_or(weight);
                 let other = first + ahead;
                 (self.places[other], self.kind(other).material, [weight, written])
             };
-            let pairs = self.pairs[kind.pairs.clone()].iter().map(pair).collect();
+            let pairs = kind.pairs.clone().map(pair).collect();
             Seam { place: self.places[row], material: kind.material, pairs }
         })
     }
 
     /// Bytes that they hold.
     pub fn memory_bytes(&self) -> usize {
-        let kinds = size_of_val(&*self.kinds) + size_of_val(&*self.pairs);
+        let pairs = size_of_val(&*self.pairs) + size_of_val(&*self.written);
+        let kinds = size_of_val(&*self.kinds) + pairs;
         size_of_val(&*self.places) + size_of_val(&*self.rows) + kinds + size_of_val(&*self.groups)
     }
 }
@@ -466,8 +484,10 @@ impl Seams {
         let start = row.wrapping_add_signed(kind.first);
         let around = all.map(|all| &all[start..start + kind.span + COUNT]);
         let mut rates = [0.0; COUNT];
-        for &Pair { ahead, weight, written, over_mean } in &self.pairs[kind.pairs.clone()] {
-            let weight = if TO_STEP { written } else { weight };
+        let pairs = &self.pairs[kind.pairs.clone()];
+        let written = if TO_STEP { &self.written[kind.pairs.clone()] } else { &[] };
+        for (k, &Pair { ahead, weight, over_mean }) in pairs.iter().enumerate() {
+            let weight = if TO_STEP { written[k] } else { weight };
             let [temperatures, potentials, terms] = around.map(|around| from(around, ahead));
             for x in 0..COUNT {
                 let by_heat = over_mean * mean(term[x], terms[x]);
