@@ -66,7 +66,7 @@ impl Enthalpy {
                 place[particle as usize - 1] = at;
             }
         }
-        let written = |place| operator.written_weights(place);
+        let written = |place| Some(operator.written_entries(place)?.to_vec(place));
         let seams = Seams::of(problem, &place, operator.has_lines(), written);
         let fronts = FrontFlows::new(problem, capacities, curves.materials(), operator);
         let values = operator.by_place(&problem.initial);

@@ -121,6 +121,16 @@ pub(super) enum Entries<'a> {
 }
 
 impl Entries<'_> {
+    /// The neighbours of the particle in a place, and their weights, 1/s.
+    pub(super) fn to_vec(&self, place: usize) -> Vec<(usize, f64)> {
+        let mut all = Vec::new();
+        self.are_all(place, |other, weight| {
+            all.push((other, weight));
+            true
+        });
+        all
+    }
+
     /// Whether `is_so(b, w_ab)` for all neighbours of the particle in a place: those behind one of which it is not are
     /// not asked for.
     pub(super) fn are_all(&self, place: usize, mut is_so: impl FnMut(usize, f64) -> bool) -> bool {

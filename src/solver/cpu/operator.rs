@@ -152,7 +152,7 @@ pub(super) trait CpuOperator: Send + Sync {
 
     /// The neighbours of a place with the weights (1/s) that [`Self::step_enthalpy`] has of them before seams add to it,
     /// where those are not the weights of the matrix.
-    fn written_weights(&self, _place: usize) -> Option<Vec<(usize, f64)>> {
+    fn written_entries(&self, _place: usize) -> Option<Entries<'_>> {
         None
     }
 

@@ -25,7 +25,7 @@ pub mod vector;
 mod walls;
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 
 use super::plan::Needs;
 use super::{Precision, SolverError};
@@ -272,8 +272,8 @@ impl GpuBackend {
         let beside_seams = scene.beside_seams(problem, rows, MOST_OF_WEIGHT).into_iter();
         let with_factor = |site| (site, scene.factor(problem, site as usize));
         // A stencil has the factors of the sites that it describes.
-        let known: HashSet<u64> = scene.ratios.iter().map(|(_, factor)| factor.to_bits()).collect();
-        let is_known = |(_, factor): &(u32, f64)| known.contains(&factor.to_bits());
+        let known = lattice::factors(scene);
+        let is_known = |(_, factor): &(u32, f64)| known.contains(factor);
         let beside_seams: Vec<(u32, f64)> =
             beside_seams.map(with_factor).filter(is_known).collect();
         let mixed = Some((scene, rows));

@@ -4,11 +4,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::LatticeOperator;
 use super::around::Around;
 use super::kernel::{Run, Scratch, Seen};
 use super::parts::Parts;
 use super::shared_rows::SharedRows;
+use super::{BesideSeams, LatticeOperator};
 use crate::model::lattice::{LatticeScene, MixedScene};
 use crate::model::operator::{SomeRows, SourceRows, within_near};
 use crate::model::{Material, Problem};
@@ -67,6 +67,16 @@ impl Mixed {
         let absent = &self.scene.absent;
         let next = absent.partition_point(|range| range.end as usize <= site);
         absent[next..].iter().map(|range| range.start as usize..range.end as usize)
+    }
+
+    /// The neighbours in the stencil of a site, whose part is looked for from `near` on.
+    fn stencil_entries<'a>(
+        &self,
+        around: &'a Around,
+        site: usize,
+        near: &mut usize,
+    ) -> Entries<'a> {
+        around.entries(&self.scene.lattice, site, self.parts.at(site, near).factor)
     }
 
     /// Writes what the stencil does not describe at `sites`, but for rows beside seams; returns what held particles gave.
@@ -145,7 +155,7 @@ impl LatticeOperator for Mixed {
         if let Some((others, weights)) = self.rows.entries_of(site, &mut near.row) {
             return Entries::Row(others, weights);
         }
-        around.entries(&self.scene.lattice, site, self.parts.at(site, &mut near.part).factor)
+        self.stencil_entries(around, site, &mut near.part)
     }
 
     fn present(&self, sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
@@ -171,22 +181,7 @@ impl LatticeOperator for Mixed {
         first: usize,
         out: &mut [f64],
         written: Written<'_>,
-    ) -> f64 {
-        let given = self.advance_to_seams(scratch, now, first, out, written);
-        let (sites, Seen { beside_seams, row_parts, .. }) =
-            (first..first + out.len(), &mut scratch.seen);
-        self.write_rows(&self.beside_seams, [beside_seams, row_parts], now, &sites, out, written);
-        given
-    }
-
-    /// Leaves rows beside seams as the stencil writes them.
-    fn advance_to_seams(
-        &self,
-        scratch: &mut Scratch,
-        now: &Now<'_>,
-        first: usize,
-        out: &mut [f64],
-        written: Written<'_>,
+        beside_seams: BesideSeams,
     ) -> f64 {
         let end = first + out.len();
         // Empty sites keep the 0 that they start with.
@@ -198,16 +193,18 @@ impl LatticeOperator for Mixed {
                 start += run.length;
             }
         }
-        self.rest(&mut scratch.seen, now, &(first..end), out, written)
+        let sites = first..end;
+        if beside_seams == BesideSeams::ByRows {
+            let Seen { beside_seams, row_parts, .. } = &mut scratch.seen;
+            let near = [beside_seams, row_parts];
+            self.write_rows(&self.beside_seams, near, now, &sites, out, written);
+        }
+        self.rest(&mut scratch.seen, now, &sites, out, written)
     }
 
-    fn written_weights(&self, around: &Around, site: usize) -> Option<Vec<(usize, f64)>> {
+    fn written_entries<'a>(&'a self, around: &'a Around, site: usize) -> Option<Entries<'a>> {
         self.beside_seams.at(site, &mut 0)?;
-        let (scene, factor) = (&self.scene.lattice, self.parts.at(site, &mut 0).factor);
-        let mut weights = Vec::new();
-        around.lines()[around.which(scene, site)]
-            .for_each(site, |other, weight| weights.push((other, factor * weight)));
-        Some(weights)
+        Some(self.stencil_entries(around, site, &mut 0))
     }
 
     fn has_particle(&self, site: usize) -> bool {

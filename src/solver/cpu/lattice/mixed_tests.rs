@@ -49,7 +49,8 @@ fn by_rows_and_by_stencil(problem: &Problem) -> ([(Vec<f64>, f64); 2], [usize; 2
     let operator = Lattice::new(Mixed::new(problem, Arc::new(mixed.clone()), rows));
     let count = lattice.counts.iter().product();
     for place in 0..count {
-        let Some(weights) = operator.written_weights(place) else { continue };
+        let Some(entries) = operator.written_entries(place) else { continue };
+        let weights = entries.to_vec(place);
         assert!(left.contains(&(place as u32)), "{place}");
         let expected = mixed.stencil(problem, place);
         assert_eq!(weights.len(), expected.len());
@@ -59,7 +60,7 @@ fn by_rows_and_by_stencil(problem: &Problem) -> ([(Vec<f64>, f64); 2], [usize; 2
     }
     let site = lattice.sites();
     let place: Vec<u32> = (0..problem.particles.len() as u32).map(&site).collect();
-    let written = |place| operator.written_weights(place);
+    let written = |place| Some(operator.written_entries(place)?.to_vec(place));
     let seams = Seams::of(problem, &place, true, written).expect("materials meet");
     let enthalpy = |place: usize| 250.0 + ((place * 37) % 400) as f64;
     let values = (0..problem.particles.len()).map(|particle| {
@@ -79,10 +80,8 @@ fn by_rows_and_by_stencil(problem: &Problem) -> ([(Vec<f64>, f64); 2], [usize; 2
         let (begin, end) = out.split_at_mut(middle);
         for (first, out) in [(0, begin), (middle, end)] {
             let (scratch, written) = (&mut scratch, Written::Each(&combines));
-            given += match to_step {
-                true => operator.of.advance_to_seams(scratch, &now, first, out, written),
-                false => operator.of.advance(scratch, &now, first, out, written),
-            };
+            let by = if to_step { BesideSeams::ByStencil } else { BesideSeams::ByRows };
+            given += operator.of.advance(scratch, &now, first, out, written, by);
         }
         for SeamGroup { material, rows } in seams.groups() {
             let factor = combines[usize::from(*material)].factors[0];
@@ -94,7 +93,7 @@ fn by_rows_and_by_stencil(problem: &Problem) -> ([(Vec<f64>, f64); 2], [usize; 2
         }
         (out, given)
     });
-    let left = (0..count).filter(|&place| operator.written_weights(place).is_some());
+    let left = (0..count).filter(|&place| operator.written_entries(place).is_some());
     (all, [left.count(), seams.places().len()])
 }
 

@@ -33,6 +33,15 @@ const TASKS: usize = 4;
 /// are away, at least, unless threads would have none.
 const REACHES: usize = 8;
 
+/// What writes rows that are the stencil's but for pairs at [seams](crate::model::operator::Seams).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BesideSeams {
+    /// These rows.
+    ByRows,
+    /// The stencil: seams add to what [`LatticeOperator::written_entries`] tell then.
+    ByStencil,
+}
+
 /// A lattice with what it has beyond its stencil.
 pub(super) trait LatticeOperator: Send + Sync {
     /// Values of a task that are taken on together, about, in one, two and three dimensions: they and what the
@@ -64,23 +73,11 @@ pub(super) trait LatticeOperator: Send + Sync {
         first: usize,
         out: &mut [f64],
         written: Written<'_>,
+        beside_seams: BesideSeams,
     ) -> f64;
 
-    /// The same in an enthalpy's step: a pair at a seam may have the stencil's weight for that of the matrix, which
-    /// [`Self::written_weights`] tell then.
-    fn advance_to_seams(
-        &self,
-        scratch: &mut Scratch,
-        now: &Now<'_>,
-        first: usize,
-        out: &mut [f64],
-        written: Written<'_>,
-    ) -> f64 {
-        self.advance(scratch, now, first, out, written)
-    }
-
-    /// As [`CpuOperator::written_weights`], where the stencil has what is `around`.
-    fn written_weights(&self, _around: &Around, _site: usize) -> Option<Vec<(usize, f64)>> {
+    /// As [`CpuOperator::written_entries`], where the stencil has what is `around`.
+    fn written_entries<'a>(&'a self, _around: &'a Around, _site: usize) -> Option<Entries<'a>> {
         None
     }
 
@@ -176,8 +173,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         self.around().lines().get(usize::from(which))
     }
 
-    fn written_weights(&self, place: usize) -> Option<Vec<(usize, f64)>> {
-        self.of.written_weights(self.around(), place)
+    fn written_entries(&self, place: usize) -> Option<Entries<'_>> {
+        self.of.written_entries(self.around(), place)
     }
 
     fn reach(&self) -> usize {
@@ -188,7 +185,8 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
         let task = self.lines(TASK);
         let scratch = || Scratch::new(self.of.scene());
         let advance = |scratch: &mut Scratch, (k, out): (usize, &mut [f64])| {
-            self.of.advance(scratch, now, k * task, out, Written::Same(combine))
+            let written = Written::Same(combine);
+            self.of.advance(scratch, now, k * task, out, written, BesideSeams::ByRows)
         };
         let given: Vec<f64> = if out.len() < SERIAL {
             let mut scratch = scratch();
@@ -224,7 +222,14 @@ impl<L: LatticeOperator> CpuOperator for Lattice<L> {
                 let next = (known + part).min(out.len());
                 step.fetch(next - known);
                 let of_part = &mut out[known..next];
-                let given = self.of.advance_to_seams(scratch, now, first + known, of_part, written);
+                let given = self.of.advance(
+                    scratch,
+                    now,
+                    first + known,
+                    of_part,
+                    written,
+                    BesideSeams::ByStencil,
+                );
                 step.take_on(out, next, given);
             }
         };

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::LatticeOperator;
 use super::kernel::{Run, Scratch};
 use super::parts::Parts;
+use super::{BesideSeams, LatticeOperator};
 use crate::model::Problem;
 use crate::model::lattice::LatticeScene;
 use crate::model::operator::{SourceRows, take_below, within_near};
@@ -98,6 +98,7 @@ impl LatticeOperator for Uniform {
         first: usize,
         out: &mut [f64],
         written: Written<'_>,
+        _beside_seams: BesideSeams,
     ) -> f64 {
         let (mut given, mut done) = (0.0, 0);
         let all = first..first + out.len();

@@ -53,7 +53,7 @@ pub fn are_few(scene: &MixedScene) -> bool {
 }
 
 /// The factors that the stencil has, each once.
-fn factors(scene: &MixedScene) -> Vec<f64> {
+pub(in crate::solver::gpu) fn factors(scene: &MixedScene) -> Vec<f64> {
     let mut factors: Vec<f64> = scene.ratios.iter().map(|(_, factor)| *factor).collect();
     factors.sort_by(f64::total_cmp);
     factors.dedup();

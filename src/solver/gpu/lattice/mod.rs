@@ -21,6 +21,7 @@ use crate::solver::plan::Needs;
 
 use kinds::Kinds;
 pub use kinds::are_few;
+pub(super) use kinds::factors;
 use rows::Rows;
 use source::Sites;
 pub use source::{OwnRows, PART, StencilSource};
