@@ -1,9 +1,11 @@
 //! Rows of seams, one by one and several at once.
 
+use std::collections::HashMap;
+
 use super::*;
 use crate::model::material::Melting;
 use crate::model::scenes::lattice;
-use crate::model::{Conductivity, KernelKind};
+use crate::model::{Conductivity, KernelKind, Problem};
 
 /// Three materials, two of which melt, that meet along a plane and around a block; some particles are held.
 fn three() -> Problem {
